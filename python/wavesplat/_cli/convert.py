@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from wavesplat._model.series import Series
     from wavesplat._model.stack import Stack
 
-__all__ = ["convert"]
-
 #: Samples along each side of the box that tells whether a lazy volume is a segmentation.
 SIDE_OF_BOX = 96
 

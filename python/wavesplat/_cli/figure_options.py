@@ -18,15 +18,6 @@ if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
     from wavesplat._scene.scene import Scene
 
-__all__ = [
-    "FigureOptions",
-    "annotated",
-    "check_figure",
-    "marks_of",
-    "takes_figure_options",
-    "takes_frame_figure_options",
-]
-
 
 @dataclass(frozen=True)
 class FigureOptions:

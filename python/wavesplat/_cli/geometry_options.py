@@ -21,8 +21,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._geometry.shape import Shape
 
-__all__ = ["GeometryOptions", "opened_geometry", "takes_geometry_options"]
-
 LOOK = "[:COLOR|MAP][:LOW,HIGH][:OPACITY][:values=NAME]"
 SURFACE = f"FILE{LOOK}[:flat]"
 LINES = f"FILE{LOOK}[:by-direction][:Npx|Nmm]"

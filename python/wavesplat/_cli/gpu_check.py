@@ -9,8 +9,6 @@ import typer
 from wavesplat._cli.printing import print_result
 from wavesplat._cli.shared_options import Json
 
-__all__ = ["gpu_check"]
-
 #: Pixels of a picture along each side, and number of times that it is drawn to be timed.
 SIDE, N_TIMES = 256, 3
 

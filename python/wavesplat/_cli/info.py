@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["info"]
-
 #: Budget of volumes of which only a small level is read.
 MEMORY = "1 GB"
 

@@ -26,26 +26,6 @@ if TYPE_CHECKING:
     from wavesplat._model.series import Series
     from wavesplat._scene.layer import Layer
 
-__all__ = [
-    "CHANNEL",
-    "ChannelText",
-    "FurtherLayers",
-    "LayerOptions",
-    "LayerText",
-    "ShownChannels",
-    "channel_of",
-    "dataset_of",
-    "further_layers",
-    "is_there",
-    "layer_of",
-    "named_file",
-    "names_of_pictures",
-    "names_of_times",
-    "takes_layer_options",
-    "times_of",
-    "without_window",
-]
-
 #: Ends of a window: sample values, or percentiles such as "1%".
 Ends: TypeAlias = tuple[float | str, float | str]
 

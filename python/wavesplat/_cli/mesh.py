@@ -18,8 +18,6 @@ from wavesplat._cli.several_inputs import takes_several_inputs
 from wavesplat._cli.shared_options import Json, Quiet
 from wavesplat.errors import ArgumentError
 
-__all__ = ["mesh"]
-
 #: Strength of smoothing of meshes of labels, as in 3D Slicer.
 SMOOTHING = 0.5
 EITHER = "give either --iso-value, for the surface of a value, or --labels all, for a segmentation"

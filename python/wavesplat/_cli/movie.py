@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from wavesplat._movie.turn import Turn
     from wavesplat._scene.scene import Scene
 
-__all__ = ["movie"]
-
 EXIT_INTERRUPTED = 130
 #: Frames of a turn by default: four seconds.
 TURN = 120

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._scene.layer import Layer
 
-__all__ = ["Channels", "changed_channels", "opened_in_uptake", "opened_layers", "refuse_for_channels", "series_options"]
-
 
 class Channels(NamedTuple):
     """Channels as layers, and the look of the first."""

@@ -12,22 +12,6 @@ import typer
 from wavesplat._model.options import MAX_SIDE_PX
 from wavesplat.errors import ArgumentError
 
-__all__ = [
-    "cache_place",
-    "choice",
-    "color",
-    "file_and_name",
-    "numbers",
-    "one_of",
-    "opacity",
-    "positions",
-    "refuse_pairs",
-    "size",
-    "weights",
-    "whole_numbers",
-    "window",
-]
-
 #: Slices on one sheet, at most.
 MAX_POSITIONS = 400
 

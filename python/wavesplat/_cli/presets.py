@@ -18,8 +18,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._looks.presets import Preset
 
-__all__ = ["presets"]
-
 
 @takes_reader_options
 def presets(

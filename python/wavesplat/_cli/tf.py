@@ -21,8 +21,6 @@ from wavesplat._cli.transfer_function_options import (
     takes_look_options,
 )
 
-__all__ = ["tf"]
-
 
 @takes_several_inputs(".json")
 @takes_reader_options

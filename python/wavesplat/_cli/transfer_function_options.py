@@ -22,16 +22,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = [
-    "ColorOptions",
-    "LookOptions",
-    "TransferFunctionFile",
-    "function_of_histogram",
-    "named_look",
-    "takes_color_options",
-    "takes_look_options",
-]
-
 TransferFunctionFile = Annotated[
     Path | None,
     typer.Option(

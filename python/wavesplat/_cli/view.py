@@ -34,8 +34,6 @@ from wavesplat.errors import ArgumentError, WavesplatError
 if TYPE_CHECKING:
     from wavesplat._viewer.state import ViewerState
 
-__all__ = ["view"]
-
 #: Size, pixels, of the window that the first view is framed for.
 FIRST_SIZE = (1024, 768)
 #: Seconds that an error waits for a page that can show it.

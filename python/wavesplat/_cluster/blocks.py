@@ -43,8 +43,6 @@ from wavesplat._render.lazy_layers import FrameSpec
 from wavesplat._render.streaming import Progress, Reading, draw_segment
 from wavesplat.errors import ArgumentError, CancelledError
 
-__all__ = ["drawn_on_machines"]
-
 #: Streams that a process keeps; the tasks of one picture share one.
 MAX_STREAMS = 2
 

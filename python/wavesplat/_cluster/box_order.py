@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from wavesplat.errors import ArgumentError
 
-__all__ = ["front_to_back"]
-
 Corners = NDArray[np.float64]
 
 

@@ -17,8 +17,6 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.lazy_volume import default_memory
 from wavesplat.errors import ArgumentError, LibraryError
 
-__all__ = ["MAX_TASKS", "Machines", "machines_of"]
-
 #: Most tasks of a picture: schedulers get slow beyond tens of thousands, and a task takes them about a millisecond.
 MAX_TASKS = 4000
 #: Blocks for each task that runs at once, so that those that are done early get another one.

@@ -29,8 +29,6 @@ from wavesplat._render.lazy_layers import FrameSpec
 from wavesplat._render.streaming import Corners, Reading, draw_block
 from wavesplat.errors import ArgumentError
 
-__all__ = ["PartDrawing", "PartialPicture", "merge"]
-
 Box = tuple[tuple[int, int, int], tuple[int, int, int]]
 
 #: A budget for streams of which nothing is read.

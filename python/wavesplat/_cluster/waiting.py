@@ -19,19 +19,6 @@ from typing import Any
 from wavesplat._files.libraries import library
 from wavesplat.errors import ClusterError, LibraryError, WavesplatError
 
-__all__ = [
-    "CLOSED",
-    "N_RETRIES",
-    "check_times_lost",
-    "done",
-    "facts_of_workers",
-    "held",
-    "lost_scheduler_named",
-    "release",
-    "result_of",
-    "wait_for_scheduler",
-]
-
 #: Retries of a task: a read may fail for once.
 N_RETRIES = 3
 #: Times that lost tasks are sent again: where the scheduler has forgotten them.

@@ -12,18 +12,6 @@ from urllib.parse import quote, urlsplit
 
 from wavesplat.errors import FileError
 
-__all__ = [
-    "PROTOCOLS",
-    "below",
-    "check_no_address",
-    "checked",
-    "is_address",
-    "is_public",
-    "is_web",
-    "last_part",
-    "safe_address",
-]
-
 #: Protocols of addresses that are opened, here and in documents.
 PROTOCOLS = ("http", "https", "s3", "gs", "file")
 WEB = ("http", "https")

@@ -8,8 +8,6 @@ from __future__ import annotations
 import io
 from pathlib import Path
 
-__all__ = ["BoundedFile"]
-
 
 class BoundedFile(io.BufferedReader):
     """A file to read, in parts that are no longer than the file."""

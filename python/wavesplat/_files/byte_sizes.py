@@ -7,8 +7,6 @@ import re
 
 from wavesplat.errors import ArgumentError
 
-__all__ = ["byte_size", "bytes_of"]
-
 UNITS = {"b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12, "kib": 1 << 10, "mib": 1 << 20, "gib": 1 << 30}
 UNITS |= {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12, "tib": 1 << 40}
 #: Bound of amounts: more than any machine addresses.

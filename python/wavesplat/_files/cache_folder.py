@@ -17,8 +17,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
-__all__ = ["CacheFolder", "default_folder"]
-
 #: Bytes of all files together; the least recently used are removed first. A survey of 256^3 samples takes 18 MB.
 MAX_BYTES = 2 << 30
 #: Seconds after its last use when a file is removed: samples of data that is not looked at any more should not stay.

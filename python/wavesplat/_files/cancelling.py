@@ -12,8 +12,6 @@ from contextvars import ContextVar
 
 from wavesplat.errors import CancelledError
 
-__all__ = ["cancelled_by", "cancelled_by_progress", "check_cancelled"]
-
 _IS_CANCELLED: ContextVar[Callable[[], bool] | None] = ContextVar("is_cancelled", default=None)
 
 

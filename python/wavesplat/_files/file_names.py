@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from typing import Self
 
-__all__ = ["NAMELESS", "FileName"]
-
 #: Name in place of a folder's.
 NAMELESS = "volume"
 

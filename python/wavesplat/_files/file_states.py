@@ -19,8 +19,6 @@ from typing import Protocol
 
 from wavesplat.errors import FileError
 
-__all__ = ["FileChangedError", "SourceFiles", "State", "StoredFiles", "state_of", "wait_for_next_tick"]
-
 #: Size, and times in nanoseconds of writing and of status change (on Windows: the inode).
 State = tuple[int, int, int]
 

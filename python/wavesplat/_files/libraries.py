@@ -7,8 +7,6 @@ from typing import Any
 
 from wavesplat.errors import LibraryError
 
-__all__ = ["how_to_install", "library"]
-
 
 def library(name: str, *, extra: str) -> Any:
     """The module, or a `LibraryError` that names the extra of the package that installs it."""

@@ -14,8 +14,6 @@ from typing import Any
 
 from wavesplat.errors import LimitError
 
-__all__ = ["check_room", "free_bytes", "resident_bytes", "trim_heap"]
-
 #: Allocations below this are not checked.
 SMALL_BYTES = 1 << 28
 GIB = 1 << 30

@@ -11,8 +11,6 @@ from pathlib import Path
 from wavesplat._files.paths import lies_in
 from wavesplat.errors import FileError
 
-__all__ = ["check_named_file", "check_within", "refused"]
-
 
 def check_named_file(
     name: str, path: Path, *, anywhere: bool, within: Path | None = None, is_folder: bool = False

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["natural_key"]
-
 
 def natural_key(name: str) -> list[tuple[int, str]]:
     """Sort key of a name, in which runs of digits compare as numbers."""

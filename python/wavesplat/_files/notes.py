@@ -13,8 +13,6 @@ from contextvars import ContextVar
 
 from wavesplat.errors import WavesplatWarning
 
-__all__ = ["collected_notes", "warn"]
-
 _COLLECTED: ContextVar[list[WavesplatWarning] | None] = ContextVar("collected_notes", default=None)
 
 

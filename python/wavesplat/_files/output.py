@@ -20,18 +20,6 @@ from wavesplat._files.libraries import library
 from wavesplat._files.part_files import part_beside, remove_left_over, removed
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
-__all__ = [
-    "SUFFIXES",
-    "Kind",
-    "as_file_errors",
-    "check_output",
-    "check_writable",
-    "followed",
-    "removed_when_terminated",
-    "write_atomically",
-    "write_folder_atomically",
-]
-
 Kind: TypeAlias = Literal["pictures", "movies", "meshes", "looks", "volumes", "wavelet coefficients"]
 
 #: Kind of result -> suffixes that it is written with; the suffix chooses the format.

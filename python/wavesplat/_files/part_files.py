@@ -16,8 +16,6 @@ from functools import cache
 from itertools import count
 from pathlib import Path
 
-__all__ = ["part_beside", "remove_left_over", "removed"]
-
 #: Numbers that distinguish files written at the same time.
 _NUMBERS = count()
 #: Folders that this process has already searched for left-over files: a movie writes thousands of files into one.

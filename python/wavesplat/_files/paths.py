@@ -9,8 +9,6 @@ from pathlib import Path
 from wavesplat._files.file_names import FileName
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["check_no_pipe", "check_text", "expanded", "lies_in", "printable", "read_text", "real_path"]
-
 #: Largest text file, in bytes; a transfer function or a table of labels has a few thousand.
 MAX_TEXT_BYTES = 1 << 26
 

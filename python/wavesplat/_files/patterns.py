@@ -11,8 +11,6 @@ from wavesplat._files.natural_order import natural_key
 from wavesplat._files.paths import expanded
 from wavesplat.errors import FileError
 
-__all__ = ["matching_files"]
-
 
 def matching_files(text: str) -> list[str] | None:
     """The files that match a pattern; None if the text is a name: it has no wildcards, or something has that name.

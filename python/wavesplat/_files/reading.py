@@ -17,8 +17,6 @@ from wavesplat._files.libraries import how_to_install
 from wavesplat._files.memory import free_bytes
 from wavesplat.errors import FileError, LimitError, WavesplatError
 
-__all__ = ["mapped", "reading"]
-
 #: Beginning of the line that ITK adds to every failure: the system's last error, of some earlier call, or "Success".
 OLD_REASON = "Reason: "
 

@@ -19,17 +19,6 @@ from wavesplat._files.memory import check_room
 from wavesplat._files.paths import check_no_pipe
 from wavesplat.errors import FileError
 
-__all__ = [
-    "ANY_RATIO",
-    "DEFLATE_RATIO",
-    "check_deflated",
-    "check_gzip",
-    "check_memory",
-    "check_readable",
-    "check_stored",
-    "n_bytes",
-]
-
 #: Deflate cannot shrink data by more than this factor (RFC 1951: 258 bytes from two bits).
 DEFLATE_RATIO = 1032
 #: Factor by which no other lossless codec shrinks data: bzip2 reaches 45 000 on zeros.

@@ -15,8 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["StoredArray"]
-
 
 class StoredArray:
     """An array of a file from byte `offset` on, the last axis fastest; indices are whole numbers and plain slices."""

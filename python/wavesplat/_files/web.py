@@ -14,8 +14,6 @@ from wavesplat._files.addresses import is_public, safe_address
 from wavesplat._files.libraries import library
 from wavesplat.errors import FileError, LibraryError
 
-__all__ = ["ForbiddenError", "Part", "ServerError", "get", "mark_of"]
-
 #: Range of bytes: the first, and the one after the last; None is all, an end of None is the end of the file, and a
 #: negative first byte counts from there.
 Part: TypeAlias = "tuple[int, int | None] | None"

@@ -6,8 +6,6 @@ from xml.etree import ElementTree as ET
 
 from wavesplat.errors import ArgumentError
 
-__all__ = ["parsed"]
-
 
 def parsed(text: str, what: str) -> ET.Element:
     """The root element of an XML text. `what`: such as "look", for messages."""

@@ -13,8 +13,6 @@ from zarr.abc.store import OffsetByteRequest, RangeByteRequest, Store, SuffixByt
 from wavesplat._files.web import Part
 from wavesplat._files.zarr_place import READ_ONLY, ZarrPlace
 
-__all__ = ["PlaceStore"]
-
 NO_KEYS: tuple[str, ...] = ()
 
 

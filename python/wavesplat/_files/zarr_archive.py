@@ -14,8 +14,6 @@ from typing import Any
 
 from wavesplat.errors import FileError
 
-__all__ = ["ZarrArchive", "holds_zarr"]
-
 #: Documents that the root of a store has, one of them.
 ROOT_NAMES = ("zarr.json", ".zgroup", ".zarray", ".zattrs")
 #: Most entries of an archive: a larger directory takes long to read, and is a mistake or worse.

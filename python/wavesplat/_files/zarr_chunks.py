@@ -18,16 +18,6 @@ from typing import Any
 from wavesplat._files.zarr_place import ZarrPlace
 from wavesplat.errors import FileError
 
-__all__ = [
-    "BLOSC_HEADER",
-    "check_chunks",
-    "check_missing",
-    "chunk_numbers",
-    "expect_chunks",
-    "packed_bytes",
-    "truncated",
-]
-
 #: Bytes of the header of blosc.
 BLOSC_HEADER = 16
 #: Bytes of a sample in the widest type that filters store; of overhead for each inner chunk of a shard; and of a margin

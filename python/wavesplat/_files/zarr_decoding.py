@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 
 from wavesplat._files.zarr_chunks import BLOSC_HEADER
 
-__all__ = ["ChunkDecoder", "ShardIndex", "decoder_of", "shard_index_of"]
-
 #: Compressors that numcodecs undoes without configuration, by their names in the metadata.
 COMPRESSORS = {"blosc", "bz2", "gzip", "lz4", "lzma", "zlib", "zstd"}
 #: Compressors of Zarr v3, a part of them.

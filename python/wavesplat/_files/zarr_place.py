@@ -22,8 +22,6 @@ from wavesplat._files.web import ForbiddenError, Part
 from wavesplat._files.zarr_archive import ZarrArchive
 from wavesplat.errors import FileError, FileWarning
 
-__all__ = ["METADATA_NAMES", "READ_ONLY", "ZarrPlace", "place_of"]
-
 #: The error for a library that would write.
 READ_ONLY = "places are only read"
 

@@ -16,8 +16,6 @@ from wavesplat._files.zarr_chunks import BLOSC_HEADER, check_missing, expect_chu
 from wavesplat._files.zarr_decoding import NONE_STORED, ChunkDecoder, ShardIndex, decoder_of, shard_index_of
 from wavesplat._files.zarr_place import ZarrPlace, place_of
 
-__all__ = ["ZarrReader", "read_zarr", "zarr_reader"]
-
 #: Index along an axis, or a range of indices.
 Part = int | slice
 #: Threads that read and decode chunks at once.

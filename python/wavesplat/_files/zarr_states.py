@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 from wavesplat._files.file_states import FileChangedError, state_of, wait_for_next_tick
 from wavesplat._files.zarr_chunks import chunk_numbers
 
-__all__ = ["ChunkFiles", "chunk_files"]
-
 #: Names of the files that describe an array.
 ARRAY_METADATA_NAMES = ("zarr.json", ".zarray")
 #: A pass that takes longer, in seconds, is not made for every picture: at most a 20th of the time goes into them.

@@ -19,8 +19,6 @@ from wavesplat._files.size_checks import check_readable
 from wavesplat._geometry.read_shape import Asked, ReadShape
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["is_freesurfer", "read_freesurfer", "read_gifti"]
-
 #: Ends of names of FreeSurfer's surfaces.
 FREESURFER = (".pial", ".white", ".inflated", ".orig", ".smoothwm", ".sphere", ".midthickness")
 #: First bytes of its surfaces of triangles and of quadrilaterals, and of its values.

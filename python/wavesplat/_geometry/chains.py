@@ -12,8 +12,6 @@ from wavesplat._geometry.positions import check_count, checked_positions, frozen
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Chains", "chains_of"]
-
 
 class Chains(Sequence[NDArray[np.float64]]):
     """Paths through positions, each an array of shape (n, 3).

@@ -15,17 +15,6 @@ from wavesplat._model import units
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = [
-    "is_shape_like",
-    "kind_of",
-    "libraries_of",
-    "lines_of",
-    "napari_outlines",
-    "napari_world",
-    "points_of",
-    "surface_of",
-]
-
 #: Layers of napari -> the kind of shape that they become.
 NAPARI = {"Surface": "surface", "Tracks": "lines", "Shapes": "lines", "Points": "points"}
 #: Corners of a closed curve for an ellipse of napari.

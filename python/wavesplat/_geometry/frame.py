@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from wavesplat import _native
     from wavesplat._model.camera import Camera
 
-__all__ = ["Frame", "far_sides", "ticks_of"]
-
 #: Lower and upper corner of a box along the world's axes.
 Box: TypeAlias = NDArray[np.float64]
 

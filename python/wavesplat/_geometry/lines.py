@@ -20,8 +20,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat import _native
 
-__all__ = ["BY_DIRECTION", "Lines"]
-
 #: Colour of lines without one, and their width in pixels.
 AMBER, WIDTH_PX = (1.0, 0.75, 0.2), 2.0
 #: Colour that says the direction: red from left to right, green from back to front, blue from below.

@@ -9,8 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-__all__ = ["check_text"]
-
 #: Letters of the header of a PLY file, at most.
 HEAD_BYTES = 1 << 16
 #: The first word of an OFF file, and what may stand before OFF in it.

@@ -21,8 +21,6 @@ from wavesplat._geometry.read_shape import Asked, ReadShape
 from wavesplat._model import units
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["SUFFIXES", "read"]
-
 SUFFIXES = (".stl", ".ply", ".obj", ".off", ".glb", ".gltf", ".3mf")
 #: How 3D Slicer writes that x points to the patient's left, and y to the back.
 SPACE = re.compile(rb"SPACE\s*=\s*(LPS|RAS)")

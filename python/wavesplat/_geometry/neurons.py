@@ -12,8 +12,6 @@ from wavesplat._files.paths import read_text
 from wavesplat._geometry.read_shape import Asked, ReadShape
 from wavesplat.errors import ArgumentError
 
-__all__ = ["read"]
-
 #: Columns: number, type, x, y, z, radius, parent (-1: none).
 N_COLUMNS = 7
 SOMA, AXON, DENDRITE, APICAL = 1, 2, 3, 4

@@ -29,8 +29,6 @@ from wavesplat._public import public
 from wavesplat._readers.request import NAMED_WITHIN
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["SUFFIXES", "open_geometry"]
-
 TYPES: dict[str, type[Shape]] = {"surface": Surface, "lines": Lines, "points": Points}
 Kind = Literal["surface", "lines", "points"]
 

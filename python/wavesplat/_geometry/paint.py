@@ -15,8 +15,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat import _native
 
-__all__ = ["CMAP", "Color", "checked_clim", "checked_color", "checked_paint", "paint_of", "table_of"]
-
 #: A colour for all, or an array of one for each.
 Color: TypeAlias = Any
 

@@ -23,8 +23,6 @@ from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.slice_plane import SlicePlane
 from wavesplat._geometry.surface import Surface
 
-__all__ = ["Picked", "Ray", "picked"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 #: Opacity from which on a shape is taken for what lies behind it: the half at which pictures record depth.

@@ -20,8 +20,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat import _native
 
-__all__ = ["Points"]
-
 #: Colour of points without one, and their diameter in pixels.
 YELLOW, SIZE_PX = (1.0, 0.9, 0.2), 6.0
 

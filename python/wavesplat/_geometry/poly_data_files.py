@@ -13,8 +13,6 @@ from wavesplat._geometry.read_shape import Asked, ReadShape
 from wavesplat._readers import vtk_grids
 from wavesplat._readers.vtk_checks import check_grid
 
-__all__ = ["SUFFIXES", "read"]
-
 SUFFIXES = (".vtp", ".vtk", ".vtu")
 #: Fields of shapes that are positions.
 PLACES = ("vertices", "positions", "paths")

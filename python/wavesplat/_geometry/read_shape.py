@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
-__all__ = ["Asked", "ReadShape"]
-
 
 class Asked(NamedTuple):
     """A question to a reader: the path of a file, the values of vertices or points by name, and the kind of shape."""

@@ -24,16 +24,6 @@ from wavesplat._model.grid import Grid
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat.errors import ArgumentError
 
-__all__ = [
-    "LARGE_BYTES",
-    "ShapeArrays",
-    "as_shapes",
-    "facts_of_shapes",
-    "is_geometry",
-    "names_of_shapes",
-    "positions_in_view",
-]
-
 #: Factor of colours and opacity that leaves the opacity alone.
 BLACK = np.array([0, 0, 0, 1], np.float32)
 #: Bytes of shapes that travel to workers without a note.

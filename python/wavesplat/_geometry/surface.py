@@ -20,8 +20,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat import _native
 
-__all__ = ["Surface"]
-
 #: Colour of surfaces without one: that of ivory, on which shadows show.
 IVORY = (0.93, 0.88, 0.78)
 #: How far the length of a unit vector in float32 may be from 1.

@@ -23,8 +23,6 @@ from wavesplat._model import units
 from wavesplat._model.facts import quantity_of, value_unit_of
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["SUFFIXES", "read"]
-
 SUFFIXES = (".csv", ".tsv", ".txt", ".parquet")
 #: Rows above the header, at most: Imaris writes three.
 MAX_PREAMBLE = 12

@@ -23,8 +23,6 @@ from wavesplat._picture.lettering import CAP_HEIGHT, text_width
 from wavesplat._picture.marks import Mark, Text, stroke
 from wavesplat._picture.style import Style
 
-__all__ = ["has_text", "marks_in_space"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 #: Length of a tick, gap to what is written, and distance of the title from the numbers, in sizes of the font.

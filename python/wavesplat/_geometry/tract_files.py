@@ -11,8 +11,6 @@ from wavesplat._files.size_checks import check_memory
 from wavesplat._geometry.read_shape import Asked, ReadShape
 from wavesplat.errors import ArgumentError
 
-__all__ = ["SUFFIXES", "read"]
-
 SUFFIXES = (".trk", ".tck")
 #: Bytes of tracts in memory for each of the file: float32 becomes float64, twice.
 BYTES_PER_BYTE = 5

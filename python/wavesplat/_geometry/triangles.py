@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 
-__all__ = ["face_vectors", "normals_of_faces", "smooth_normals"]
-
 Floats: TypeAlias = NDArray[np.float64]
 
 

@@ -50,8 +50,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.options import Composite
 
-__all__ = ["COLORED", "are_colored", "automatic", "function_in_colors", "in_colors", "labels_alone", "tinted"]
-
 #: Kinds whose look has a map of colours over a scale.
 COLORED: tuple[Kind, ...] = ("field", "signed field")
 #: Light for solid things: ambient occlusion lets depth be seen.

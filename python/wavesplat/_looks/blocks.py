@@ -18,8 +18,6 @@ from wavesplat._looks.looked_at import subsampled
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["is_block"]
-
 #: Minimum mean share of the faces that is not clear, and the opacity above which a voxel is not clear.
 MIN_FACES, MIN_OPACITY = 0.4, 0.02
 #: Samples of a face that are looked at, about.

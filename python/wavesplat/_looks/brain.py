@@ -27,8 +27,6 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 if TYPE_CHECKING:
     import SimpleITK
 
-__all__ = ["PROCESSING", "brain_of"]
-
 #: Text in `Facts.processing` of a volume of which the brain is drawn.
 PROCESSING = "all but the brain left out of the picture: a simple extraction, not for measuring"
 

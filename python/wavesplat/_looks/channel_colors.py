@@ -13,7 +13,7 @@ from itertools import pairwise
 
 from wavesplat._model.facts import Channel, Rgb
 
-__all__ = ["CHANNEL_COLORS", "Rgb", "color_of", "distinct_colors", "is_same_color", "usual_color"]
+__all__ = ["Rgb"]
 
 #: Conventional colours of channels without a colour, and of unknown light: green, magenta, cyan, yellow, red, blue,
 #: white, orange.

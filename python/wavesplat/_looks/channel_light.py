@@ -27,8 +27,6 @@ from wavesplat._looks.transfer_function import TransferFunction
 if TYPE_CHECKING:
     from wavesplat._looks.look import Look
 
-__all__ = ["ChannelLight", "light_of"]
-
 #: Digits of places that count: white has its full colour at many nodes, and the first one is meant.
 N_DIGITS = 9
 #: Least cosine of the first colour and the brightest one, into which white is mixed.

@@ -33,21 +33,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = [
-    "CHANNEL_COLORS",
-    "DARKEST",
-    "FULL_COLOR",
-    "ROUNDING",
-    "Rgb",
-    "channel_look",
-    "channel_window",
-    "clear_of_values",
-    "is_full_range_window",
-    "is_ramp",
-    "lightened",
-    "ramp",
-    "window_of_values",
-]
+__all__ = ["CHANNEL_COLORS", "Rgb"]
 
 #: Upper ends of windows that span the values of a type, or of a camera: writers put them where they know no window.
 WHOLE_RANGES = {float(2**n - 1) for n in (8, 10, 11, 12, 13, 14, 15, 16, 32)}

@@ -13,8 +13,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["SPACES", "between", "rgb_from_lab"]
-
 Color: TypeAlias = tuple[float, float, float]
 Array: TypeAlias = NDArray[np.float64]
 

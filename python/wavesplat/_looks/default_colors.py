@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import colorsys
 
-__all__ = ["label_color"]
-
 
 def label_color(place: int) -> tuple[float, float, float]:
     """The colour of a label by its place among others.

@@ -14,8 +14,6 @@ from wavesplat._looks.overlays import mapped
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.volume import Volume
 
-__all__ = ["field_colors"]
-
 #: Map of fields without a named one.
 FIELD_MAP = "inferno"
 

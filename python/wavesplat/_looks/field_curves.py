@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.voxel_opacity import rising
 
-__all__ = ["Curves", "of_field", "of_signed_field"]
-
 Array = NDArray[np.float64]
 
 #: Voxels of a field that are opaque together, as a multiple of those of a channel: a field fills its box. With

@@ -20,19 +20,7 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
 
-__all__ = [
-    "attenuation",
-    "exposed",
-    "finite_samples",
-    "is_hounsfield",
-    "not_before",
-    "not_beyond",
-    "projected",
-    "robust_range",
-    "signed",
-    "subsampled",
-    "without_padding",
-]
+__all__ = ["subsampled"]
 
 #: Share of a window below which values count as empty.
 CLEAR = 0.05

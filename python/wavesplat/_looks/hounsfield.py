@@ -20,8 +20,6 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
 
-__all__ = ["looks_like_hounsfield"]
-
 #: Least shares of samples within 200 of air (-1000) and of soft tissue (0).
 MIN_SHARE = 0.02
 #: Lowest value of air with its noise, and largest share of samples below that where they are no padding.

@@ -32,18 +32,6 @@ from wavesplat._model.thinning import UNIT_SAMPLES, step_for
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = [
-    "FIELDS",
-    "Evidence",
-    "Found",
-    "Kind",
-    "evidence",
-    "found_in",
-    "kind_of",
-    "offset_of",
-    "unit_of_values",
-]
-
 Kind: TypeAlias = Literal[
     "CT",
     "MR",

@@ -23,8 +23,6 @@ from wavesplat._readers.opening import is_zarr
 from wavesplat._readers.opening import open as open_volume
 from wavesplat.errors import ArgumentError, FileError, FileWarning
 
-__all__ = ["opened_segmentation"]
-
 
 def opened_segmentation(
     path: str | PathLike[str], segments: Sequence[str | int] | None, scan: Grid | None

@@ -20,8 +20,6 @@ from wavesplat._model import affine, units
 from wavesplat._model.grid import Grid
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Placed", "along_axes_of", "check_unit", "is_finer", "placed", "spacing_text"]
-
 Array = NDArray[np.float64]
 
 #: Distance, in samples, within which samples lie on each other. The nearest neighbour is the same up to half a sample;

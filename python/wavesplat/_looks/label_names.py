@@ -30,8 +30,6 @@ from wavesplat._readers import dicom_labels, ome_zarr
 from wavesplat._readers.opening import is_zarr
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["Named", "chosen_numbers", "in_file", "in_table", "of_volume"]
-
 #: A label's name, and its colour, 0..1, where there is one.
 Named: TypeAlias = "tuple[str, tuple[float, float, float] | None]"
 

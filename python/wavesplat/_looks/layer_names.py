@@ -20,8 +20,6 @@ from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["FoundName", "distinct_names", "is_of_patient", "layer_name_of"]
-
 AnyVolume: TypeAlias = Volume | WaveletVolume
 #: Name of a scan whose kind is not known before its samples are read.
 UNKNOWN = "scan"

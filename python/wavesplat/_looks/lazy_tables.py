@@ -36,8 +36,6 @@ from wavesplat._model.read_ahead import Box, fill_box
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["without_table_in_parts"]
-
 #: Share of the budget that a slab of samples takes.
 SLAB_SHARE = 8
 Mask = NDArray[np.bool_]

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from wavesplat._looks.colormaps import Opacity
     from wavesplat._looks.labels import Labels
 
-__all__ = ["Look"]
-
 
 @public
 @dataclass(frozen=True, kw_only=True)

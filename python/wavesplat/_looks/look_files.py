@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["load"]
-
 WHAT = "look"
 
 

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["build", "build_shading", "fields_of", "fields_of_curves", "fields_of_shading", "parse", "write"]
-
 WHAT = "look"
 TEXTS = ("name", "description", "kind", "view", "composite", "background", "part")
 FIELDS = {"version", "transfer_function", "shading", *TEXTS}

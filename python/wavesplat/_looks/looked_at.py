@@ -13,8 +13,6 @@ from wavesplat._model.thinning import HISTOGRAM_SAMPLES, KIND_SAMPLES, step_for
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["Pairs", "looked_at", "slopes", "subsampled", "with_neighbours", "without_missing"]
-
 #: The two neighbours of samples along each axis.
 Pairs: TypeAlias = "list[tuple[NDArray[Any], NDArray[Any]]]"
 

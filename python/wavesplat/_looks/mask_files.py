@@ -20,8 +20,6 @@ from wavesplat._model.volume import Volume
 from wavesplat._readers.opening import open as open_volume
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Masks", "merged"]
-
 #: Suffixes of formats, also double ones such as .seg.nrrd.
 SUFFIXES = re.compile(r"(\.(nii|img|hdr|ome|seg))?\.[A-Za-z][A-Za-z0-9]{1,5}$", re.IGNORECASE)
 #: Largest number of masks: codes have 16 bits.

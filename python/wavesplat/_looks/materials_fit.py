@@ -34,8 +34,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
 
-__all__ = ["fit"]
-
 N_BINS = 512
 #: Largest number of materials: a histogram separates a handful, and the time of a fit grows with their number.
 MAX_MATERIALS = 32

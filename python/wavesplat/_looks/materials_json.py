@@ -16,8 +16,6 @@ from wavesplat._files import json_object
 from wavesplat._looks.materials import Material, Materials
 from wavesplat.errors import ArgumentError
 
-__all__ = ["load", "parse", "preset", "preset_names", "write"]
-
 WHAT = "materials"
 FIELDS = {"version", "name", "description", "sources", "opacity_unit", "materials"}
 NEEDED_OF_EACH = ("name", "probability", "color", "opacity")

@@ -15,8 +15,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["curves"]
-
 Array = NDArray[np.float64]
 
 #: Largest error of the transfer function's colour, and of its opacity: together they stay below 1e-3.

@@ -23,8 +23,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._looks.materials import Materials
 
-__all__ = ["surfaces"]
-
 #: Size of the table: columns between the first and the last node, and rows up to the gradient of complete surfaces.
 N_VALUES = 256
 N_MAGNITUDES = 48

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["SIGNIFICANT", "map_kind"]
-
 #: Quantities by the words that name them alone.
 BY_WORD = {
     **dict.fromkeys(("adc", "adcmap"), q.ADC),

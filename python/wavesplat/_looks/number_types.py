@@ -8,8 +8,6 @@ from __future__ import annotations
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["numbers_of"]
-
 
 def numbers_of(volume: Volume | WaveletVolume) -> str:
     """The kind of the samples' type, as NumPy names it: "u", "i" or "f", as coefficients of wavelets have it."""

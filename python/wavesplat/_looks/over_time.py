@@ -9,8 +9,6 @@ from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["bright_end", "brightest", "brightest_number", "sampled_numbers"]
-
 #: Percentile of a volume's samples that measures how bright it is.
 PERCENT = 99.5
 

@@ -5,8 +5,6 @@ Source: ParaView's Remoting/Views/ColorMaps.json, version 6.
 
 from __future__ import annotations
 
-__all__ = ["OWN"]
-
 #: Place, 0..1, red, green and blue of the maps that ParaView starts with: up to version 5, and from 6 on.
 OWN = {
     "Cool to Warm": [

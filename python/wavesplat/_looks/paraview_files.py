@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["from_json", "from_xml", "look"]
-
 WHAT = "colour map of ParaView"
 TAG = "ColorMap"
 #: Number of lines between two points of a map, where they are not lines already.

@@ -20,8 +20,6 @@ from numpy.typing import NDArray
 
 from wavesplat._model.grid import Grid
 
-__all__ = ["Mask", "even_odd", "mask_of"]
-
 #: Distance, in voxels, within which points are in one plane, and planes are one.
 FLAT = 0.1
 #: Coordinates in files are rounded; they are moved by this many voxels, so that a plane half way lies in one slice.

@@ -19,9 +19,6 @@ from wavesplat._public import public
 from wavesplat._readers.dicom_structures import is_structure_set, structures_in
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["Region"]
-
-
 #: Coordinates that no point has: their squares are still far from the end of float64.
 FAR = 1e15
 

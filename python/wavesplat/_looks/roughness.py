@@ -14,8 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["is_smooth", "roughness"]
-
 #: Largest roughness of data without noise.
 MAX_SMOOTH = 0.9
 

@@ -14,8 +14,6 @@ from wavesplat._model.vectors import Vector, vector
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Light", "Shading"]
-
 
 @public
 @dataclass(frozen=True, init=False)

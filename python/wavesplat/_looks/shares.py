@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["share_kind"]
-
 #: Largest anisotropy, and largest median of it inside the brain. (FSL's FA of a brain: 0.18.)
 MAX_FA, MAX_MEDIAN_FA = 1.2248, 0.45
 #: FA clipped to 1: largest median and 90th percentile of what is not 0, least share of exactly 0 outside of the brain,

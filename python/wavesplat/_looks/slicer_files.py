@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["VolumeProperty", "built_in", "from_json", "from_vp", "from_xml"]
-
 WHAT = "volume property of 3D Slicer"
 TAG = "VolumeProperty"
 #: Contents of the lines of a `.vp` file, in order.

@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["stored_offset"]
-
 #: Values that 0 Hounsfield units may be stored as.
 OFFSETS = (1000.0, 1024.0)
 #: Ranges of fat and of soft tissue, and the value above which samples are of the body, Hounsfield units.

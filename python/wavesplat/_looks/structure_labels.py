@@ -26,8 +26,6 @@ from wavesplat._model.volume import Volume
 from wavesplat._readers.dicom_structures import Structure, structures_in
 from wavesplat.errors import ArgumentError, FileError, FileWarning
 
-__all__ = ["chosen_structures", "in_unit_of", "labels_of_structures"]
-
 #: The kind of region that is the outline of the patient.
 OUTLINE = "EXTERNAL"
 MAX_NUMBER = 65_535

@@ -26,18 +26,6 @@ from wavesplat._looks.stored_offset import stored_offset
 from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
 
-__all__ = [
-    "EMPTY_HU",
-    "LARGEST",
-    "PROCESSING",
-    "Decided",
-    "Places",
-    "decided_by",
-    "may_have_table",
-    "out_of",
-    "without_table",
-]
-
 #: Text in `Facts.processing` of a volume that is drawn without its table.
 PROCESSING = "the table below the body left out of the picture"
 

@@ -12,8 +12,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["otsu", "otsu_of_scan", "robust_range_of"]
-
 N_BINS = 512
 #: Percentiles that count as the smallest and largest value.
 ROBUST = (0.1, 99.9)

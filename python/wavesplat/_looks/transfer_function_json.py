@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["FIELDS", "build", "fields_of", "parse", "write"]
-
 WHAT = "transfer function"
 FIELDS = {
     "version",

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["ABSOLUTE", "NAMES", "ends", "nodes_on", "positive_range", "widths_on"]
-
 Nodes: TypeAlias = list[tuple[float, ...]]
 
 #: Scales that need no volume.

@@ -20,8 +20,6 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from wavesplat._model.grid import Grid
 
-__all__ = ["OPAQUE", "opacity_of_voxel", "opaque_after", "rising"]
-
 #: Voxels of the largest values that are opaque together. (With 3 a stack of 14 slices is about as bright as its maximum
 #: projection; docs/design/022 has the numbers.)
 N_OPAQUE = 3.0

@@ -13,8 +13,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["line_nodes", "way_between"]
-
 #: Sharpness below which a piece is a line, and above which it is a step.
 LINE, STEP = 0.01, 0.99
 #: Number of lines for a bent piece.

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["End", "are_percentiles", "values_of"]
-
 #: A sample value, or a percentile such as "99.8%".
 End: TypeAlias = float | str
 

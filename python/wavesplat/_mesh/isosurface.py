@@ -29,8 +29,6 @@ from wavesplat._model.crop import Crop
 from wavesplat._model.volume import Volume
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Isosurface", "isosurface"]
-
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 Faces = NDArray[np.int32]

@@ -25,8 +25,6 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.volume import Volume
 from wavesplat.errors import ArgumentError
 
-__all__ = ["boxes_of", "chosen_numbers", "surface_of"]
-
 Floats = NDArray[np.float64]
 
 #: Pass band of a part times its squared radius in samples; measured on balls of radius 1.5 to 40: normals are within 17

@@ -16,8 +16,6 @@ import numpy as np
 
 from wavesplat._files.libraries import library
 
-__all__ = ["OF_PARTS", "encoded"]
-
 #: Suffixes of formats that hold several meshes with names and colours.
 OF_PARTS = (".3mf", ".glb", ".gltf")
 #: Units of 3MF; lengths in others are written as numbers of millimetres.

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-__all__ = ["safe_names"]
-
 #: Characters that Windows, macOS or Linux refuse in a name, or shells read: all but letters, digits and a few signs.
 UNSAFE = re.compile(r"[^\w.+()-]+")
 #: Names of devices on Windows, with any suffix.

@@ -27,8 +27,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     import trimesh
 
-__all__ = ["Mesh", "Meshes"]
-
 Floats = NDArray[np.float64]
 
 #: Words in braces that stand for those of each label in the name of a file.

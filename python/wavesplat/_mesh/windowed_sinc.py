@@ -23,8 +23,6 @@ from numpy.typing import NDArray
 
 from wavesplat._files.libraries import library
 
-__all__ = ["parts_of", "smoothed"]
-
 Floats = NDArray[np.float64]
 
 #: f(k_pb), nearly 1, as in VTK.

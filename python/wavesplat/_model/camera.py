@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from wavesplat._model.grid import Grid
     from wavesplat._model.volume_like import VolumeLike
 
-__all__ = ["Camera", "check_place", "check_view", "checked_lens"]
-
 #: Range of sample spacings in which shading is right: gradients are differences over the spacing, and float32 must hold
 #: their squares, 1e36 for a difference of 1 at the smallest spacing, 1e-38 for one of 1e-5 at the largest.
 SMALLEST, LARGEST = 1e-18, 1e14

@@ -19,8 +19,6 @@ from wavesplat._model.camera import Camera
 from wavesplat._model.camera_fit import axes_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["MAX_FRAMES", "CameraPath", "evenly", "monotone_slopes"]
-
 #: Frames of a movie, at most: two hours at 60 a second.
 MAX_FRAMES = 432_000
 

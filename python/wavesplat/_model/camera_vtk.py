@@ -8,8 +8,6 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat.errors import ArgumentError
 
-__all__ = ["camera_of"]
-
 #: VTK's default angle of view, degrees.
 VIEW_ANGLE = 30.0
 FORMS = "a pyvista.Plotter, its camera or camera_position, or a vtkCamera"

@@ -28,8 +28,6 @@ from wavesplat._model.vtk_image import of_vtk
 from wavesplat._model.yt_grid import of_unyt, of_yt
 from wavesplat.errors import ArgumentError
 
-__all__ = ["converted", "is_rows"]
-
 #: Library -> advice for its objects that have no samples on a grid, the end of a message.
 INSTEAD = {
     "PIL": "a volume is several pictures: stack them, as with numpy.stack(pictures)",

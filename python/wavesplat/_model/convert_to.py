@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     import SimpleITK
     import xarray
 
-__all__ = ["to_nibabel", "to_pyvista", "to_simple_itk", "to_xarray"]
-
 #: Tolerance within which the index axes count as the world's, as a fraction of the spacing.
 TOLERANCE = 1e-9
 

@@ -13,9 +13,6 @@ from wavesplat._files.memory import check_room
 from wavesplat._model.facts import Facts
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Converted", "check_shape", "loaded"]
-
-
 NO_FACTS = Facts()
 
 

@@ -19,8 +19,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.volume_like import VolumeLike
 
-__all__ = ["Crop"]
-
 #: Side of a patient -> axis of the RAS world, and sign.
 SIDES = {
     "right": (0, 1),

@@ -19,8 +19,6 @@ from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Boxes", "in_samples_of", "taken_out", "without"]
-
 Boxes: TypeAlias = tuple[Crop, ...]
 
 #: Tolerance within which a sample lies on a face, in samples: affines in files are rounded to float32.

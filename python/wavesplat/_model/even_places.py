@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["TOLERANCE", "off_from_even", "rounding_of"]
-
 #: Tolerance of coordinates, as a fraction of the step: many are calculated in single precision.
 TOLERANCE = 1e-3
 #: Maximum rounding error of a coordinate in units in the last place: half a unit each for itself and both ends, doubled

@@ -6,8 +6,6 @@ import numpy as np
 
 from wavesplat._model.grid import Grid
 
-__all__ = ["axis_of_distant_slices", "axis_of_few_slices", "is_thin"]
-
 #: Largest number of slices, and least number of samples along their sides.
 FEW, WIDE = 4, 16
 #: Largest ratio of the thinnest side to the second one of a thin stack, which is seen along its thin side.

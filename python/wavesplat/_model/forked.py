@@ -11,8 +11,6 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ["drawing"]
-
 #: Volumes that threads of this process are drawing.
 DRAWN: list[object] = []
 

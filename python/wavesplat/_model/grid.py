@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from wavesplat._model import affine
 from wavesplat._model.facts import Facts
 
-__all__ = ["Grid"]
-
 
 class Grid:
     """A grid with a name, a shape, an affine, and facts."""

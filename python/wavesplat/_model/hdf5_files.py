@@ -25,8 +25,6 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["check_links", "check_nesting", "files_of_dataset", "held_hdf5", "is_own_file", "open_hdf5", "read_hdf5"]
-
 #: Nesting of virtual datasets whose files are found, at most.
 MAX_DEPTH = 8
 #: Nesting of virtual datasets that are read, at most. HDF5 calls itself for each and has no limit of its own.

@@ -18,8 +18,6 @@ from wavesplat._model.facts import Facts
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["Place", "best_unit", "numbers", "place_of", "text"]
-
 
 @dataclass(frozen=True)
 class Place:

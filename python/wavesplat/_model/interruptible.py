@@ -7,8 +7,6 @@ from collections.abc import Callable
 from concurrent.futures import Future, wait
 from typing import TypeVar
 
-__all__ = ["interruptible"]
-
 T = TypeVar("T")
 
 #: Seconds between checks for signals; on Windows waiting itself is not interrupted.

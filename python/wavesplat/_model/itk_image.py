@@ -18,19 +18,6 @@ from wavesplat._model.facts import Facts, value_unit_of
 from wavesplat._model.placement import NO_PLACE, is_without_place
 from wavesplat.errors import ArgumentError
 
-__all__ = [
-    "NO_ANATOMY",
-    "SIGNS_OF_ITK",
-    "SPACE",
-    "UNIT",
-    "VALUE_UNIT",
-    "affine_of",
-    "modality_of",
-    "of_itk",
-    "of_simple_itk",
-    "ras_signs_of",
-]
-
 #: NRRD's spaces whose axes are a patient's, by their names -> the letters of the axes. A time axis may follow, and the
 #: name has -time or T at its end.
 SPACES = {

@@ -8,8 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from difflib import get_close_matches
 
-__all__ = ["check_keywords"]
-
 #: Keywords that people try -> keywords that may be meant, the first that a function has; after a comma, what to give.
 MEANT: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(

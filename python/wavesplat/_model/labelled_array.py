@@ -19,8 +19,6 @@ from wavesplat._model.facts import Channel, Facts, quantity_of, value_unit_of
 from wavesplat._model.placement import UPRIGHT
 from wavesplat.errors import ArgumentError
 
-__all__ = ["AFFINE", "MODALITY", "SPACE", "UNITS", "channel_and_time_axes", "in_order", "is_labelled", "unlabelled"]
-
 #: Names of axes along which a scene has layers, and times, in lower case.
 CHANNELS, TIMES = {"c", "ch", "channel", "channels"}, {"t", "time", "times", "frame", "frames"}
 #: Names of an array's attributes: the affine from the coordinates (x, y, z, 1) to the world where they are not the

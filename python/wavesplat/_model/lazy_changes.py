@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from wavesplat._model.stack import Box
     from wavesplat._model.survey import Survey
 
-__all__ = ["LazyCache", "compare", "comparing_once", "look_again"]
-
 #: `id`s of the files that were checked for the picture that is being made; None outside of pictures.
 _LOOKED_AT: ContextVar[set[int] | None] = ContextVar("looked_at", default=None)
 

@@ -12,17 +12,6 @@ from numpy.typing import NDArray
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = [
-    "DEFAULT_SIDE",
-    "checked_chunks",
-    "checked_shape",
-    "checked_type",
-    "converted",
-    "is_wide_integer",
-    "narrowest_integer",
-    "renderable_type",
-]
-
 #: Types that the renderer reads as they are.
 NATIVE = tuple(np.dtype(code) for code in ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"))
 #: Assumed samples along each axis of a chunk, for arrays in memory and for arrays without chunks.

@@ -18,8 +18,6 @@ from wavesplat._model.lazy_volume import LazyVolume, lazily
 from wavesplat._model.volume import _checked_affine, _checked_facts, _with_guesses
 from wavesplat.errors import ArgumentError
 
-__all__ = ["lazy_volume"]
-
 Matrix = NDArray[np.float64]
 
 

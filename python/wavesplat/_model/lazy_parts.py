@@ -24,19 +24,6 @@ if TYPE_CHECKING:
     from wavesplat._model.lazy_volume import LazyVolume, Level
     from wavesplat._model.survey import Survey
 
-__all__ = [
-    "MAX_OVERVIEW",
-    "box_of_crop",
-    "busiest_part",
-    "corners_of_crop",
-    "level_in_finest",
-    "nearest_every",
-    "part_of",
-    "preview_of",
-    "read_box",
-    "shown_part",
-]
-
 #: Samples of a finer level from which its brightness is learnt, and the ratio of its spacing, both at most.
 MAX_PART, MAX_FINER = 1 << 22, 4.5
 #: Least side of a box that is looked for in all of a level, samples.

@@ -40,8 +40,6 @@ if TYPE_CHECKING:
 
     from wavesplat._model.sources import Source
 
-__all__ = ["LazyVolume", "default_memory"]
-
 #: Default budget: one part in SHARE of the free memory, at most MAX_DEFAULT bytes.
 SHARE, MAX_DEFAULT = 4, 4 * 10**9
 #: Entries of `LazyCache.derived` that are kept, at most.

@@ -16,19 +16,6 @@ import numpy as np
 
 from wavesplat._model import units
 
-__all__ = [
-    "TIMES",
-    "attributes_of",
-    "is_downwards",
-    "is_of_world",
-    "length_unit_of",
-    "role_of",
-    "spatial_axes",
-    "unit_with_notes",
-    "without_lengths",
-    "wrf_steps",
-]
-
 #: Names of axes of arrays of any kind, in lower case -> ours.
 NAMES = {
     **dict.fromkeys(("z", "depth", "plane", "slice"), "z"),

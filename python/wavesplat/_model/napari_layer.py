@@ -15,8 +15,6 @@ from wavesplat._model.converted import Converted, loaded
 from wavesplat._model.facts import Facts
 from wavesplat.errors import ArgumentError
 
-__all__ = ["of_napari"]
-
 
 def of_napari(layer: Any, at: Sequence[int] = ()) -> Converted:
     """Convert an image or labels layer; of several levels, the finest.

@@ -9,8 +9,6 @@ import numpy as np
 from wavesplat._files.notes import warn
 from wavesplat._model.stack import Stack
 
-__all__ = ["hex_of", "steps_of", "warn_of_lost"]
-
 #: Part of the spacing by which an axis may lean and still count as one of the world's.
 TOLERANCE = 1e-6
 

@@ -18,8 +18,6 @@ from wavesplat._model import units
 from wavesplat._model.facts import Channel
 from wavesplat._model.stack import Stack
 
-__all__ = ["write"]
-
 #: Bytes of planes that are read at once.
 MAX_BYTES = 1 << 26
 #: Samples of more bytes than this need BigTIFF, whose offsets have 64 bits; packed ones of noise can be as large.

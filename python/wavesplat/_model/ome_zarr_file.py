@@ -20,8 +20,6 @@ from wavesplat._model.facts import Channel
 from wavesplat._model.ome_facts import hex_of, steps_of
 from wavesplat._model.stack import Box, Stack
 
-__all__ = ["Downsampling", "write"]
-
 #: How samples of coarser levels are made of finer ones: their mean, or the first one, for labels.
 Downsampling = Literal["mean", "nearest"]
 

@@ -4,18 +4,6 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-__all__ = [
-    "BY_VIEW",
-    "COMPOSITE_SYNONYMS",
-    "MAX_SIDE_PX",
-    "Buffer",
-    "Composite",
-    "Kernel",
-    "Plane",
-    "Quality",
-    "Slab",
-]
-
 #: Pixels along a side of a picture, at most: `MAX_SIDE_PX` of the compiled module.
 MAX_SIDE_PX = 16384
 

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 
 from wavesplat._model.grid import Grid
 
-__all__ = ["NO_PLACE", "UPRIGHT", "is_of_no_patient", "is_placed_by_default", "is_without_place"]
-
 #: A convention of a file, kept among its facts: it names a patient's axes, and nothing else of a place.
 NO_PLACE = "axes of a patient: they are named, but samples are 1 apart, from the origin on, as by default"
 

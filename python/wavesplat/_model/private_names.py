@@ -20,17 +20,6 @@ from typing import Any
 from wavesplat._files.addresses import is_address, last_part
 from wavesplat._model.sources import with_paths
 
-__all__ = [
-    "CONTENT",
-    "Published",
-    "file_name_of",
-    "file_of_content",
-    "published",
-    "whole",
-    "with_fields",
-    "without_folders",
-]
-
 #: Beginning of a path that names a file by its content.
 CONTENT = "content:"
 #: Suffixes of headers whose samples may lie in another file.

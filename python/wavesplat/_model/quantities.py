@@ -7,25 +7,6 @@ are DERIVED.
 
 from __future__ import annotations
 
-__all__ = [
-    "ADC",
-    "ANISOTROPY",
-    "BLOOD_FLOW",
-    "BLOOD_VOLUME",
-    "DIFFUSIVITY",
-    "F_STATISTIC",
-    "OF_INTENTS",
-    "PERFUSION",
-    "P_VALUE",
-    "QUANTITIES",
-    "T1",
-    "T2",
-    "T2_STAR",
-    "T_STATISTIC",
-    "Z_STATISTIC",
-    "quantity_of_image_type",
-]
-
 ADC, DIFFUSIVITY, ANISOTROPY = "apparent diffusion coefficient", "diffusivity", "fractional anisotropy"
 T1, T2, T2_STAR = "relaxation time T1", "relaxation time T2", "relaxation time T2*"
 BLOOD_FLOW, BLOOD_VOLUME, PERFUSION = "blood flow", "blood volume", "time of perfusion"

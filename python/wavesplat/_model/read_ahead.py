@@ -24,18 +24,6 @@ from wavesplat._files.file_states import FileChangedError
 from wavesplat._model.lazy_array import LazyArray
 from wavesplat.errors import FileError, LimitError
 
-__all__ = [
-    "FOR_UNPACKING",
-    "Box",
-    "BoxReader",
-    "ReadCounts",
-    "SampleBuffers",
-    "cells",
-    "check_budget",
-    "copy_overlap",
-    "fill_box",
-]
-
 #: First index and end of a box along z, y, x.
 Box = tuple[tuple[int, int, int], tuple[int, int, int]]
 

@@ -12,8 +12,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Quaternion", "conjugate", "exponential", "from_axes", "hermite", "product", "rotation_vector", "to_axes"]
-
 Quaternion: TypeAlias = NDArray[np.float64]
 
 #: Cosine of half the angle between keys, below which two keys count as opposite: rounding would choose the way round.

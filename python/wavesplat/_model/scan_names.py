@@ -6,8 +6,6 @@ from wavesplat._files.file_names import NAMELESS, FileName
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 
-__all__ = ["is_of_patient", "is_scan", "name_in_files", "name_of_facts"]
-
 #: Modalities of samples that are no patients, whose files are named after what they show.
 MICROSCOPY = ("fluorescence", "EM")
 #: Words for modalities whose codes few people say.

@@ -5,8 +5,6 @@ from __future__ import annotations
 from inspect import signature
 from typing import Any
 
-__all__ = ["short_repr"]
-
 
 def short_repr(thing: Any) -> str:
     """`Facts(unit='mm')`: the arguments that differ from their defaults, read from the attributes of their names."""

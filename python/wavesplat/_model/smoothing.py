@@ -13,8 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["smoothed"]
-
 #: Reach of the kernel, in standard deviations.
 TRUNCATED = 3.0
 #: Smallest deviation that smooths, in samples: kernels of smaller ones end before the first neighbour.

@@ -19,8 +19,6 @@ from wavesplat._files.addresses import checked, is_address, is_web
 from wavesplat._files.notes import warn
 from wavesplat._files.paths import expanded, lies_in, real_path
 
-__all__ = ["Source", "absolute", "beside", "of_file", "of_series", "then", "warn_of_elsewhere", "with_paths"]
-
 Source: TypeAlias = dict[str, Any]
 
 #: Fields of documents that hold paths: of volumes, and of the typeface of figures.

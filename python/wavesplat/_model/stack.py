@@ -15,8 +15,6 @@ from wavesplat._model.grid import Grid
 from wavesplat._model.scan_names import name_in_files
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Box", "Stack", "Stored", "VolumesOfTimes", "WiderType", "stacked"]
-
 #: Lower and upper index (z, y, x) of a box of samples, the upper one not in it.
 Box = tuple[tuple[int, int, int], tuple[int, int, int]]
 #: Largest difference of two affines of one grid, in spacings: they are rounded in files.

@@ -32,8 +32,6 @@ from wavesplat._model.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, 
 from wavesplat._model.thinned_samples import LookSamples
 from wavesplat.errors import ArgumentError, WavesplatError
 
-__all__ = ["ShownPart", "Survey", "kept_survey", "surveyed"]
-
 #: Version of the cached files.
 FORMAT = 5
 #: Bytes that are read at once, and bytes of bounds that are kept in a file; both at most.

@@ -11,8 +11,6 @@ from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts
 from wavesplat.errors import ArgumentError
 
-__all__ = ["of_array", "of_torch"]
-
 #: The library of an array -> how it is brought to the computer's memory.
 FETCHED = {"cupy": "cupy.asnumpy(array)", "jax": "jax.device_get(array)", "numba": "array.copy_to_host()"}
 

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES, step_for
 
-__all__ = ["LookSamples", "ThinnedSamples"]
-
 Shape = tuple[int, int, int]
 
 

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["HISTOGRAM_SAMPLES", "KIND_SAMPLES", "UNIT_SAMPLES", "step_for"]
-
 #: Samples at most for histograms, percentiles and cameras (enough for steady percentiles, and a fraction of a second on
 #: any volume); for the kind of data, each with its neighbours along the axes; for the unit, which every picture needs.
 HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES = 2_000_000, 150_000, 20_000

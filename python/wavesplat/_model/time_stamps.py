@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["FIGURE_SPACE", "TimeStamp", "padded", "time_stamp_of", "time_texts", "times_of_facts"]
-
 #: A blank as wide as a digit.
 FIGURE_SPACE = "\u2007"
 #: Largest error of a written time, as a share of the shortest step between times.

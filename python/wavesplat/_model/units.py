@@ -9,20 +9,6 @@ from __future__ import annotations
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = [
-    "METRES",
-    "canonical",
-    "checked",
-    "differ",
-    "factor",
-    "guesses_of",
-    "in_one_unit",
-    "length_text",
-    "metres",
-    "of_file",
-    "written",
-]
-
 #: Our name of a unit -> its size in metres.
 METRES = {
     "km": 1e3,

@@ -14,19 +14,6 @@ from typing import NamedTuple, TypeAlias
 
 from wavesplat.errors import ArgumentError
 
-__all__ = [
-    "PLANES",
-    "VIEWS",
-    "PlaneView",
-    "named_plane",
-    "nearest_plane",
-    "plane_across",
-    "plane_view",
-    "planes_of",
-    "view_angles",
-]
-
-
 Vector: TypeAlias = "tuple[float, float, float]"
 
 

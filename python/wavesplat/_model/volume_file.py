@@ -23,8 +23,6 @@ from wavesplat._model.ome_zarr_file import Downsampling
 from wavesplat._model.stack import Stack, WiderType
 from wavesplat.errors import ArgumentError
 
-__all__ = ["save"]
-
 #: NumPy's types -> NRRD's.
 NRRD_TYPES = {
     "u1": "uint8",

@@ -7,8 +7,6 @@ from typing import TypeAlias
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["VolumeLike", "as_volume", "volume_or_none"]
-
 #: A `Volume`, a `WaveletVolume`, or an object of another library that `Volume` takes; `as_volume` converts it.
 VolumeLike: TypeAlias = object
 

@@ -31,8 +31,6 @@ from wavesplat._model.volume import _checked_affine, _checked_facts
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError, WavesplatError
 
-__all__ = ["Overview", "PartArray", "VolumePart"]
-
 #: Kernels whose densities are of samples as they are; the others need coefficients of the whole volume.
 KERNELS = ("linear", "catmull-rom", "gaussian")
 #: Bytes of bounds of the whole volume, for each kernel: the same for all parts, whatever memory their machines have.

@@ -15,8 +15,6 @@ from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts, quantity_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["SPACE", "UNIT", "of_vtk"]
-
 #: Names of the texts in the field data in which `Volume.to_pyvista` keeps what VTK has no place for.
 UNIT, SPACE = "unit", "space"
 

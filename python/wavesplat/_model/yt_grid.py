@@ -15,8 +15,6 @@ from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts, quantity_of, value_unit_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["of_unyt", "of_yt"]
-
 COVERING = "data.covering_grid(level, data.domain_left_edge, data.domain_dimensions * data.refine_by**level)"
 
 

@@ -23,8 +23,6 @@ from wavesplat._model.clips import Clip, ClipPlane, CutOut
 from wavesplat._model.crop import Crop
 from wavesplat.errors import ArgumentError
 
-__all__ = ["blended_clips", "blended_look"]
-
 Nodes: TypeAlias = Sequence[tuple[float, ...]]
 
 

@@ -19,8 +19,6 @@ from wavesplat._files.libraries import how_to_install, library
 from wavesplat._picture.picture_files import straight_bytes
 from wavesplat.errors import ArgumentError, LibraryError
 
-__all__ = ["Frames", "check_crf", "check_speed", "encode", "needed_library"]
-
 #: Frames in order, each as `Picture.rgba`.
 Frames: TypeAlias = Iterator[NDArray[np.float32]]
 

@@ -17,8 +17,6 @@ from wavesplat._scene.scene import Scene
 from wavesplat._scene.slicing import slice
 from wavesplat.errors import ArgumentError
 
-__all__ = ["film_frame", "film_of", "rate_of", "shots_of"]
-
 #: Least and largest rate of a film that is taken from its times, frames a second.
 MIN_RATE, MAX_RATE = 1.0, 50.0
 #: Seconds by the unit of times.

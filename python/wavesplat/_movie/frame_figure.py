@@ -13,8 +13,6 @@ from wavesplat._scene.scene import Scene
 from wavesplat._scene.summary import stamped
 from wavesplat.errors import ArgumentError
 
-__all__ = ["FrameFigure"]
-
 
 class FrameFigure:
     """Marks for frames; `arguments` are those of `Picture.annotated`.

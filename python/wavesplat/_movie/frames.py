@@ -37,8 +37,6 @@ from wavesplat.errors import ArgumentError, CancelledError
 if TYPE_CHECKING:
     from typing import Unpack
 
-__all__ = ["check_client", "drawn_by_client", "render_frames"]
-
 #: Frames submitted for each one that is drawn at once: pictures are large, and are yielded in their order.
 AHEAD = 3
 

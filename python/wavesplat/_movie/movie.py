@@ -37,8 +37,6 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     from typing import Unpack
 
-__all__ = ["Along", "check_movie", "movie"]
-
 T = TypeVar("T")
 
 #: Frames a second, by default.

@@ -10,8 +10,6 @@ from typing import Any, TypedDict
 from wavesplat._picture.annotating import Corner, Figure, Orientation, Side
 from wavesplat._render.options import DrawOptions, FrameOptions
 
-__all__ = ["FigureOptions", "MovieOptions", "MovieValues", "parted"]
-
 
 class FigureOptions(TypedDict, total=False):
     """Marks of a figure; `Picture.annotated` documents them."""

@@ -16,8 +16,6 @@ from typing import Generic, TypeVar, cast
 
 from wavesplat.errors import CancelledError
 
-__all__ = ["MAX_AT_ONCE", "Progress", "made_ahead", "work_beside"]
-
 T = TypeVar("T")
 
 #: Largest number of frames that are made at once.

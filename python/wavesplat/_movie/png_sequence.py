@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from wavesplat._movie.timeline import Shot
     from wavesplat._scene.layer import Layer
 
-__all__ = ["Frame", "Marks", "frame_path", "has_mark", "make_folder", "pattern_of", "temporary_path", "write_frames"]
-
 KEYWORD = b"wavesplat:frame"
 #: Length of the signature and the first chunk, after which others may stand.
 HEADER_BYTES = 8 + 25

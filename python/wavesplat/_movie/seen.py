@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
     from wavesplat._scene.scene import Scene
 
-__all__ = ["camera_of", "direction_of", "what_is_seen", "with_settled_looks"]
-
 #: Sampling of overview pictures.
 COARSE = Sampling(sheets_per_slice=1, quality="draft")
 

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from wavesplat._model.options import Composite
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Shot", "Timeline"]
-
 T = TypeVar("T")
 
 

@@ -19,8 +19,6 @@ from wavesplat._model import camera_fit
 from wavesplat._model.camera import Camera
 from wavesplat.errors import ArgumentError
 
-__all__ = ["camera_of", "canvas_size", "is_mirrored", "outside", "set_camera"]
-
 #: Orientation of axes (z, y, x) that a camera can show: z away from the eye, y down, x to the right.
 UNMIRRORED = ("away", "down", "right")
 #: Distance of the eye of an orthographic camera, in heights of the view; only what is before it is drawn.

@@ -25,8 +25,6 @@ from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
-__all__ = ["draw", "scene_of"]
-
 #: napari's ways to show a volume -> operators; the rest are "over".
 OPERATORS: dict[str, Composite] = {
     "mip": "maximum",

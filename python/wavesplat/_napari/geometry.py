@@ -15,8 +15,6 @@ from wavesplat._geometry.lines import Lines
 from wavesplat._geometry.points import Points
 from wavesplat._geometry.surface import Surface
 
-__all__ = ["is_geometry", "shape_of"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 #: Largest distance from the slider, in steps of it, of what napari shows at its place.

@@ -26,8 +26,6 @@ from wavesplat._readers.request import SeveralError
 from wavesplat._readers.time_points import open_series
 from wavesplat.errors import ArgumentError
 
-__all__ = ["LayerData", "get_reader", "layers_of"]
-
 LayerData = tuple[Any, dict[str, Any], str]
 
 #: Percentiles of the samples that are shown where the file has no window.

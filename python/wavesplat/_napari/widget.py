@@ -9,8 +9,6 @@ import numpy as np
 if TYPE_CHECKING:
     import napari
 
-__all__ = ["draw_view"]
-
 
 def draw_view(
     viewer: napari.viewer.Viewer,

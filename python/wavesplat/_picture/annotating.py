@@ -25,8 +25,6 @@ from wavesplat._picture.marks import Block, Canvas, Color, Mark, Polygon, Text, 
 from wavesplat._picture.style import WHITE, Style, contrast
 from wavesplat.errors import ArgumentError
 
-__all__ = ["TIME", "Corner", "Figure", "Orientation", "Side", "annotated", "caption_strip", "style_of", "with_caption"]
-
 Corner: TypeAlias = Literal["lower left", "lower right", "upper left", "upper right"]
 Side: TypeAlias = Literal["beside", "lower left", "lower right", "upper left", "upper right"]
 Orientation: TypeAlias = Literal["letters", "cube", "axes"]

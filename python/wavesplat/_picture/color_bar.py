@@ -22,8 +22,6 @@ from wavesplat._picture.marks import UPWARDS, Block, Color, Mark, Ramp, Rectangl
 from wavesplat._picture.style import Style
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Scale", "block", "round_ticks", "scale_of", "scale_of_depths"]
-
 #: Sizes of the bar, in sizes of the font: width, length of a tick, gap to its number, least height for a number.
 WIDTH, TICK, GAP, SPACE = 1.0, 0.3, 0.3, 2.4
 #: Largest number of ticks: further numbers say nothing more.

@@ -9,8 +9,6 @@ from wavesplat._picture.lettering import CAP_HEIGHT, text_width
 from wavesplat._picture.marks import Block, Color, Mark, Rectangle, Text
 from wavesplat._picture.style import Style
 
-__all__ = ["LONGEST", "block", "shortened"]
-
 #: Largest number of entries of a legend that was not asked for by name.
 LONGEST = 30
 #: Smallest number of lines in a column, where the picture is lower: else columns are as many as names.

@@ -10,19 +10,6 @@ from typing import Any
 
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = [
-    "CAP_HEIGHT",
-    "FAMILY",
-    "check_length",
-    "check_letters",
-    "file_of",
-    "fitting",
-    "has_sign",
-    "opened",
-    "text_width",
-    "wrapped",
-]
-
 #: File of Liberation Sans, which is as wide as Arial and Helvetica.
 OURS = Path(__file__).parents[1] / "data" / "liberation_sans" / "LiberationSans-Regular.ttf"
 #: Typefaces for files that name theirs instead of holding it.

@@ -17,23 +17,6 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "UPRIGHT",
-    "UPWARDS",
-    "Block",
-    "Canvas",
-    "Color",
-    "Halo",
-    "Mark",
-    "Polygon",
-    "Ramp",
-    "Rectangle",
-    "Text",
-    "disc",
-    "moved",
-    "stroke",
-]
-
 Color: TypeAlias = tuple[float, float, float]
 Point: TypeAlias = tuple[float, float]
 #: A halo: its colour, and how far it reaches beyond the mark.

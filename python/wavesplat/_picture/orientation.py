@@ -17,8 +17,6 @@ from wavesplat._picture.style import Style
 if TYPE_CHECKING:
     from wavesplat._picture.report_facts import View
 
-__all__ = ["axes_block", "cube_block", "edge_letters", "letter_marks"]
-
 Array = NDArray[np.float64]
 
 #: Letters of the negative and the positive direction of the RAS world's x, y and z; and of any other world's.

@@ -13,8 +13,6 @@ from wavesplat._picture import lettering, picture_files
 from wavesplat._picture.marks import Canvas, Color, Polygon, Ramp, Rectangle, Text
 from wavesplat.errors import FileError
 
-__all__ = ["written"]
-
 POINTS_PER_INCH = 72.0
 #: Pixels per inch where no size in print is given, as browsers have it.
 INCH_PX = 96.0

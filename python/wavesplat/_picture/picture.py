@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from wavesplat._model.camera import Camera
     from wavesplat._picture.annotating import Corner, Orientation, Side
 
-__all__ = ["Picture", "check_bits", "check_dpi"]
-
 #: Largest resolution, pixels per inch: more than any printer has.
 MAX_DPI = 10_000
 

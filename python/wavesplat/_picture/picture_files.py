@@ -23,17 +23,6 @@ from wavesplat._picture.png_text import KEYWORD, with_text
 if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
 
-__all__ = [
-    "image",
-    "png_bytes",
-    "rgb_image",
-    "straight_bytes",
-    "with_scene",
-    "write_bytes_of",
-    "write_exr",
-    "write_tiff",
-]
-
 #: Grey behind transparent pixels in formats without transparency.
 PAPER = 1.0
 METRES_PER_INCH = 0.0254

@@ -8,8 +8,6 @@ from __future__ import annotations
 import struct
 import zlib
 
-__all__ = ["KEYWORD", "SIGNATURE", "text_in", "with_text"]
-
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 #: The keyword of the scene.
 KEYWORD = "wavesplat"

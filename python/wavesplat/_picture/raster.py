@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from wavesplat._picture import lettering
 from wavesplat._picture.marks import UPRIGHT, Canvas, Color, Polygon, Ramp, Rectangle, Text
 
-__all__ = ["drawn"]
-
 #: Rows per pixel for edges, and scale at which slanted text is drawn before it is turned.
 FINER = 4
 #: Number of corners that stand for a round one.

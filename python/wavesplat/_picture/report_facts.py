@@ -20,19 +20,6 @@ from wavesplat._model.camera import Camera
 from wavesplat._model.facts import Facts, Rgb
 from wavesplat.errors import ArgumentError
 
-__all__ = [
-    "ShownLayer",
-    "View",
-    "background_of",
-    "facts_of_view",
-    "layers_of",
-    "plain_name",
-    "shapes_of",
-    "shown_layer",
-    "swatches_of",
-    "view_of",
-]
-
 Array = NDArray[np.float64]
 
 #: Least difference of the largest and the smallest channel of a colour with a hue.

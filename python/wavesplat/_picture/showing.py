@@ -13,8 +13,6 @@ from wavesplat.errors import LibraryError
 if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
 
-__all__ = ["figure", "show"]
-
 #: Pixels per inch of matplotlib's figures where a picture does not have its own.
 DPI = 100.0
 

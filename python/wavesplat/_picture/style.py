@@ -6,8 +6,6 @@ from dataclasses import dataclass, replace
 
 from wavesplat._picture.marks import Color, Halo
 
-__all__ = ["BLACK", "WHITE", "Style", "contrast", "luminance"]
-
 BLACK: Color = (0.0, 0.0, 0.0)
 WHITE: Color = (1.0, 1.0, 1.0)
 #: Width of a halo, in sizes of the font.

@@ -12,8 +12,6 @@ from xml.sax.saxutils import escape, quoteattr
 from wavesplat._picture import lettering, picture_files
 from wavesplat._picture.marks import UPRIGHT, Canvas, Color, Mark, Polygon, Ramp, Rectangle, Text
 
-__all__ = ["written"]
-
 INCH_PX = 96.0
 
 

@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 from wavesplat._model import units
 from wavesplat.errors import FileError
 
-__all__ = ["Setup", "SpimData", "parsed"]
-
 #: Largest XML that is read, in bytes; those with thousands of views have some million.
 MAX_XML_BYTES = 1 << 26
 #: Largest number of time points.

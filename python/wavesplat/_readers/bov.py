@@ -21,8 +21,6 @@ from wavesplat._readers.components import component_of, quantity_of_array
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import FileError
 
-__all__ = ["read"]
-
 TYPES = {"BYTE": "u1", "SHORT": "i2", "INT": "i4", "INTS": "i4", "FLOAT": "f4", "FLOATS": "f4", "REAL": "f4"} | {
     "DOUBLE": "f8",
     "DOUBLES": "f8",

@@ -18,8 +18,6 @@ from wavesplat._readers.request import Grid, Request, several
 from wavesplat._readers.text_numbers import n_bytes_of, numbers_of_text, opened_text
 from wavesplat.errors import ArgumentError
 
-__all__ = ["BOHR", "read"]
-
 #: A bohr in angstroms (CODATA 2018).
 BOHR = 0.529177210903
 #: Numbers of atoms and of values at each place, at most.

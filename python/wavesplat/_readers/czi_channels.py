@@ -11,8 +11,6 @@ from typing import Any, NamedTuple
 
 from wavesplat._model.facts import Rgb
 
-__all__ = ["CziChannel", "czi_channels"]
-
 
 class CziChannel(NamedTuple):
     """The colour of a channel, and the wavelength of its light, nanometres, by the texts of the file."""

@@ -13,8 +13,6 @@ from pathlib import Path
 from wavesplat._files.named_files import check_named_file
 from wavesplat.errors import FileError
 
-__all__ = ["MAX_HEADER_BYTES", "places_of_samples"]
-
 #: Longest header that is read, in bytes: real ones are shorter, and patterns would be slow to find in longer ones.
 MAX_HEADER_BYTES = 1 << 24
 #: Files that a header may name, at most: no series has as many.

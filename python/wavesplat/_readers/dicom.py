@@ -57,8 +57,6 @@ from wavesplat._readers.request import (
 )
 from wavesplat.errors import FileError, LimitError
 
-__all__ = ["read"]
-
 T = TypeVar("T")
 #: Beginning of the sentences on values that are neither scaled nor looked up.
 AS_STORED = "values as they are stored"

@@ -20,8 +20,6 @@ from wavesplat._readers.dicom_values import MANUFACTURER, Creator, as_numbers, a
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["ATTRIBUTES", "SECONDS_PER_DAY", "SEQUENCES", "Attribute", "Value", "attributes_of_frames", "seconds_of"]
-
 #: Value of an attribute: a number, a direction, or a text.
 Value: TypeAlias = float | tuple[float, ...] | str
 #: Bytes of a value, and whether its low bytes come first.

@@ -15,8 +15,6 @@ from wavesplat._readers.dicom_places import is_zip
 from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
-__all__ = ["check_alike", "check_is_volume", "mended"]
-
 #: Tolerances of directions: from unit length and between frames; and the cosine of the angle between them.
 DIRECTION, RIGHT_ANGLE = 1e-3, 1e-2
 WHOLE_SLIDE = "1.2.840.10008.5.1.4.1.1.77.1.6"

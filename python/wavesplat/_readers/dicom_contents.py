@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["IMAGES", "WITHOUT_PIXELS", "Content", "content_by"]
-
 
 class Content(NamedTuple):
     """The content of a file and advice on what to write instead, the ends of a sentence each."""

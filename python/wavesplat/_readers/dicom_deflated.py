@@ -17,8 +17,6 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset, FileMetaDataset
 
-__all__ = ["DEFLATED", "UnpackedStream", "check_unpacked_size", "header_dataset", "unpacked_part"]
-
 #: The transfer syntax of files that are packed as a whole.
 DEFLATED = "1.2.840.10008.1.2.1.99"
 #: Largest header in bytes, unpacked: functional groups of ten thousand frames take a tenth of it.

@@ -43,8 +43,6 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["INDEX", "Frame", "Header", "content_of", "header_of", "is_dicom"]
-
 #: Functional groups that are read: those with attributes, and of pixels, values, positions, orientations and segments.
 GROUPS = SEQUENCES | {
     *(0x0062000A, 0x00289110, 0x00289145, 0x00209113, 0x00209116, 0x0020930E, 0x0020930F, 0x00409096),

@@ -12,8 +12,6 @@ from wavesplat._readers.dicom_header import header_of, is_dicom
 from wavesplat._readers.dicom_segments import Segment
 from wavesplat._readers.request import Grid, Request, quiet, unwarned
 
-__all__ = ["segmentation_at", "segments_at", "with_segments"]
-
 
 def segmentation_at(path: Path) -> Path | None:
     """The DICOM segmentation at a path: the file, or the only DICOM file of the folder; None if it is none."""

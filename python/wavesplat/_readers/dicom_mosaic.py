@@ -29,8 +29,6 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["Picture", "Split", "Tiles", "slices_in", "split_of", "unsplit_note"]
-
 #: Words of the image type for such pictures, with their names, and what is missing where they are not split.
 MOSAIC, GRID = "MOSAIC", "VFRAME"
 NAMES = {MOSAIC: "mosaic (Siemens)", GRID: "grid (United Imaging)"}

@@ -15,8 +15,6 @@ import numpy as np
 
 from wavesplat._readers.dicom_values import as_numbers, integer, items, numbers, raw_value, text, whole_numbers
 
-__all__ = ["NO_PICTURES", "FactsOfPictures", "facts_of_pictures", "sizes_of_pixels"]
-
 #: Modalities whose frames without a place, one after the other, are a film, also where no rate is given: ultrasound,
 #: X-ray films, endoscopy and photography.
 OF_FILMS = {"US", "IVUS", "XA", "RF", "ES", "XC", "GM", "DF", "DS", "CF"}

@@ -18,19 +18,6 @@ if TYPE_CHECKING:
 
     from wavesplat._readers.dicom_header import Header
 
-__all__ = [
-    "BIG_ENDIAN",
-    "DOUBLES",
-    "FLOATS",
-    "NATIVE",
-    "PIXELS",
-    "PixelData",
-    "check_enough",
-    "check_n_frames",
-    "n_bits_of",
-    "pixel_data_at",
-]
-
 BIG_ENDIAN = "1.2.840.10008.1.2.2"
 #: Transfer syntaxes whose frames are not compressed one by one.
 NATIVE = {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", DEFLATED, BIG_ENDIAN}

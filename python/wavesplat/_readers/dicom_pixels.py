@@ -33,8 +33,6 @@ from wavesplat._readers.dicom_pixel_data import (
 from wavesplat._readers.itk import simple_itk
 from wavesplat.errors import FileError
 
-__all__ = ["check_syntax", "frame_by_frame", "frames_in", "is_padding_beyond_bits"]
-
 RLE = "1.2.840.10008.1.2.5"
 #: Transfer syntaxes that GDCM unpacks: JPEG (baseline, extended, lossless), JPEG-LS and JPEG 2000.
 JPEG = {f"1.2.840.10008.1.2.4.{number}" for number in (50, 51, 57, 70, 80, 81, 90, 91)}

@@ -26,8 +26,6 @@ from wavesplat._readers.dicom_deflated import header_dataset
 from wavesplat._readers.dicom_values import integer, items, text
 from wavesplat.errors import FileError, LimitError, WavesplatError
 
-__all__ = ["N_FIRST", "SUFFIXES", "begins_as_dicom", "files_below", "files_of_directory", "is_zip", "unpacked"]
-
 SUFFIXES = (".dcm", ".ima", ".dicom")
 #: Largest depth of folders, and number of entries: a study of a patient has some thousands, a disk millions.
 MAX_DEPTH, MAX_ENTRIES = 12, 100_000

@@ -14,8 +14,6 @@ from wavesplat._readers.dicom_header import Frame, Header
 from wavesplat._readers.dicom_stack import Stack
 from wavesplat._readers.request import Request, choose
 
-__all__ = ["samples_of"]
-
 
 def samples_of(
     stack: Stack, pixels: dict[Path, NDArray[Any]], headers: dict[Path, Header], request: Request

@@ -32,8 +32,6 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["Segment", "is_segmentation", "read", "segments_in"]
-
 SOP_CLASSES = {"1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7"}
 #: Words of SegmentationType (0062,0001).
 KINDS = ("BINARY", "FRACTIONAL", "LABELMAP")

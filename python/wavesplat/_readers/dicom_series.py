@@ -23,8 +23,6 @@ from wavesplat._readers.request import Request, several
 from wavesplat._readers.unsupported_formats import foreign_folder
 from wavesplat.errors import ArgumentError, FileError, LimitError
 
-__all__ = ["Unreadable", "alike", "chosen_series", "named", "scanned", "without_copies"]
-
 #: Files that cannot be read, and why.
 Unreadable: TypeAlias = Mapping[Path, Exception]
 HOW = "by its number, its description, its modality or the start of its UID"

@@ -18,8 +18,6 @@ from wavesplat._readers.dicom_header import Frame
 from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
-__all__ = ["N_NAMED", "Stack", "single", "stacked"]
-
 #: Tolerance of slice positions, as a fraction of the slice distance: scanners round positions.
 TOLERANCE = 0.05
 #: Slices for each that is there, at most, after gaps are filled: more mean a stray slice, and no gap.

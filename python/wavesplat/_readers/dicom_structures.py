@@ -23,8 +23,6 @@ from wavesplat._readers.dicom_values import as_numbers, items, raw_value, text
 from wavesplat._readers.request import quiet, unwarned
 from wavesplat.errors import FileError
 
-__all__ = ["Structure", "is_structure_set", "structures_in"]
-
 SOP_CLASS = "1.2.840.10008.5.1.4.1.1.481.3"
 #: Lines that enclose something; the others are points and open lines.
 CLOSED = {"CLOSED_PLANAR", "CLOSEDPLANAR_XOR"}

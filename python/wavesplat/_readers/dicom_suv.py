@@ -21,8 +21,6 @@ from wavesplat._readers.dicom_attributes import SECONDS_PER_DAY, seconds_of
 from wavesplat._readers.dicom_values import Creator, as_numbers, items, raw_value, text
 from wavesplat.errors import FileError
 
-__all__ = ["Tracer", "Uptake", "tracer_of", "uptake_of"]
-
 NONE = float("nan")
 #: Most half-lives between injection and scan: after these a thousandth is left, and dates in the header are wrong.
 MAX_HALF_LIVES = 10.0

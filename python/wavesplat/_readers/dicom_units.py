@@ -12,8 +12,6 @@ from typing import Any, NamedTuple
 
 from wavesplat._readers.dicom_values import as_numbers, items, raw_value, text
 
-__all__ = ["ARBITRARY", "ValueUnit", "unit_of_values"]
-
 #: Unit of numbers without a scale of their own, such as those of MR.
 ARBITRARY = "a.u."
 #: Units of PET.

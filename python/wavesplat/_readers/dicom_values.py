@@ -8,20 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "MANUFACTURER",
-    "Creator",
-    "as_numbers",
-    "as_text",
-    "first_items",
-    "integer",
-    "items",
-    "numbers",
-    "raw_value",
-    "text",
-    "whole_numbers",
-]
-
 NONE = float("nan")
 MANUFACTURER = 0x00080070
 

@@ -22,8 +22,6 @@ from wavesplat._readers.dicom_header import INDEX, Frame
 from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
-__all__ = ["PLACE_MM", "FrameVolume", "times_of", "volumes_of"]
-
 #: Positions nearer than this, in mm and in parts of the distance of pixels, are one place: headers round them.
 PLACE_MM, PLACE_PIXELS = 0.01, 0.01
 #: Words of image types for the parts of a complex image, in the order of their volumes.

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 
 from wavesplat._readers.request import Request
 
-__all__ = ["MAX_BYTES", "Contents", "FileArray", "GridFacts", "are_small", "contents_of", "joined_ranges", "ranges_of"]
-
 Range = tuple[float, float] | None
 #: Ranges are found in files whose arrays take at most this many bytes together.
 MAX_BYTES = 1 << 30

@@ -16,8 +16,6 @@ from wavesplat._model.hdf5_files import read_hdf5
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["times_of_files"]
-
 #: Names of the attribute of an HDF5 file that is its time.
 ATTRIBUTES = ("time", "Time", "TIME", "current_time")
 HDF5 = b"\x89HDF"

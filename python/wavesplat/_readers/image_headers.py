@@ -22,8 +22,6 @@ from wavesplat._model.placement import NO_PLACE
 from wavesplat._readers.nrrd_for_itk import PLACE_FIELDS, ListedAxis, is_space_with_time, listed_axis
 from wavesplat.errors import FileError
 
-__all__ = ["Header", "inflated", "of_meta_image", "of_nrrd"]
-
 N_HEADER_BYTES = 2**20
 #: Names of fields that may also be written together.
 SPELLINGS = {name.replace(" ", ""): name for name in PLACE_FIELDS}

@@ -26,8 +26,6 @@ from wavesplat._readers.nrrd_for_itk import ListedAxis, header_for_itk, skip_lin
 from wavesplat._readers.request import Grid, Request, choose
 from wavesplat.errors import FileError
 
-__all__ = ["dtype_of", "for_itk", "header_of", "read", "simple_itk", "world_from_index_of"]
-
 #: Bytes that are looked through at once, white space, and letters of a number written as text, at most.
 BLOCK_BYTES, SPACES, MAX_WORD_BYTES = 1 << 20, np.frombuffer(b" \t\n\r\v\f", np.uint8), 500
 

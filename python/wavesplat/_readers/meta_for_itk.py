@@ -15,8 +15,6 @@ from pathlib import Path
 
 from wavesplat._readers.detached_samples import MAX_HEADER_BYTES
 
-__all__ = ["meta_for_itk"]
-
 #: The line that names the file, and ends the header.
 NAMED = re.compile(rb"(?m)^[ \t]*ElementDataFile[ \t]*[=:][^\n]*")
 

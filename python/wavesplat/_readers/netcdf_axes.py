@@ -17,8 +17,6 @@ from wavesplat._model.map_axes import role_of, spatial_axes, without_lengths
 from wavesplat._readers.request import Request, SeveralError, choose
 from wavesplat.errors import ArgumentError, FileError, LibraryError
 
-__all__ = ["evenly", "picked_axes", "variable_text"]
-
 #: The extra of the libraries.
 EXTRA = "netcdf"
 

@@ -26,8 +26,6 @@ from wavesplat._readers.components import check_vectors, component_of, facts_of_
 from wavesplat._readers.request import Grid, Request, choose, quiet, unwarned
 from wavesplat.errors import FileError
 
-__all__ = ["read"]
-
 #: Suffix -> format.
 NAMES = {
     ".mnc": "MINC",

@@ -22,8 +22,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["components", "drawn"]
-
 #: Largest difference of a direction's length from 1, and least share of the vectors that have it. (FSL's V1: all.)
 OFF, MIN_SHARE = 0.02, 0.99
 LENGTH_NOTE = (

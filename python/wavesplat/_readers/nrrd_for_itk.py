@@ -28,8 +28,6 @@ from wavesplat._files import size_checks
 from wavesplat._readers.detached_samples import MAX_HEADER_BYTES
 from wavesplat.errors import FileError
 
-__all__ = ["ListedAxis", "header_for_itk", "is_bzip2", "is_space_with_time", "listed_axis", "skip_lines"]
-
 BLOCK_BYTES = 1 << 20
 #: Fields that give the place of the samples.
 PLACE_FIELDS = ("data file", "line skip", "byte skip")

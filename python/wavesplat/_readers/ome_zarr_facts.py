@@ -13,8 +13,6 @@ from wavesplat._model import units
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._readers.request import window_of
 
-__all__ = ["Axes", "channels_of", "facts_of"]
-
 #: OME-Zarr's names of the units of time -> ours.
 TIME_UNITS = {"second": "s", "millisecond": "ms", "microsecond": "us", "nanosecond": "ns", "minute": "min", "hour": "h"}
 

@@ -16,8 +16,6 @@ from xml.etree import ElementTree as ET
 
 from wavesplat._files.zarr_place import ZarrPlace
 
-__all__ = ["Well", "label_looks", "label_names", "series_names", "series_of", "well_of", "wells_of"]
-
 #: Images of a series that are looked for by number, wells of a plate, fields of a well, and labels, at most.
 MAX_IMAGES, MAX_WELLS, MAX_FIELDS, MAX_LABELS = 1000, 6144, 1000, 65_535
 

@@ -17,8 +17,6 @@ from wavesplat._readers.request import Request
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["CYLINDRICAL", "constant_of", "names_of_volumes", "records_of", "with_record"]
-
 #: Components of a vector about the axis: away from it, around it, along it.
 CYLINDRICAL = ("r", "t", "z")
 

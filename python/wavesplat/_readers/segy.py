@@ -22,8 +22,6 @@ from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import FileError
 
-__all__ = ["read"]
-
 EXTRA = "segy"
 #: Bytes of a header of traces: inline and crossline, distance of source and receiver, place, and the scale of that.
 INLINE, CROSSLINE, OFFSET, X, Y, SCALE = 189, 193, 37, 181, 185, 71

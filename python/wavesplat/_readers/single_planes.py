@@ -10,8 +10,6 @@ import numpy as np
 
 from wavesplat._readers.request import PLANE_PX, PLANES_ARE_TAKEN, Grid, PictureError, Request
 
-__all__ = ["as_volume", "check_thickness", "is_single_plane", "level_of_plane", "note_on_level", "shape_in_file"]
-
 PLANE_NOTE = "a single plane: it is shown as it is, and has no thickness"
 
 

@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 from wavesplat._files.memory import check_room
 from wavesplat.errors import FileError
 
-__all__ = ["n_bytes_of", "numbers_of_text", "opened_text"]
-
 GZIP = b"\x1f\x8b"
 #: Bytes that are unpacked, or looked through, at once.
 PIECE_BYTES = 1 << 24

@@ -32,8 +32,6 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["NAME", "geometry_of", "read"]
-
 #: The name of this geometry in files.
 NAME = "thetaMode"
 

@@ -20,8 +20,6 @@ from wavesplat._readers.request import window_of
 if TYPE_CHECKING:
     from tifffile import TiffFile
 
-__all__ = ["TiffPlace", "guesses_of_steps", "place_of"]
-
 #: A nanometre in metres, for wavelengths.
 NM = 1e-9
 #: Guess about an OME-TIFF without metadata of its own, `BinaryOnly`.

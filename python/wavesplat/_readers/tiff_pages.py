@@ -10,8 +10,6 @@ from pathlib import Path
 
 from wavesplat.errors import FileError
 
-__all__ = ["check_pages"]
-
 #: Version of the format -> forms of an offset and of a number of entries, bytes of an entry, place of the first offset.
 FORMS = {42: ("I", "H", 12, 4), 43: ("Q", "Q", 20, 8)}
 

@@ -19,8 +19,6 @@ from wavesplat._readers.tiff_facts import TiffPlace, place_of
 from wavesplat._readers.tiff_pages import check_pages
 from wavesplat.errors import FileError
 
-__all__ = ["Slices", "slice_of", "slices_in"]
-
 NO_DISTANCES = "distances of samples 1, 1, 1: a folder of slices has none"
 #: How names of files number channels and times: c001, ch0, C00, channel_2; t0, T00003, time-5.
 IN_NAMES = {

@@ -25,8 +25,6 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     from typing import Unpack
 
-__all__ = ["open_series"]
-
 
 @public
 @takes_its_types

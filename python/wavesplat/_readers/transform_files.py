@@ -32,8 +32,6 @@ from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["open_transform", "transform_between"]
-
 Matrix = NDArray[np.float64]
 
 ITK, LTA, MAT = (".tfm", ".txt", ".h5", ".hdf5"), (".lta",), (".mat",)

@@ -16,16 +16,6 @@ from typing import NamedTuple
 from wavesplat._readers.vtk_arrays import other_grid
 from wavesplat.errors import FileError
 
-__all__ = [
-    "BY_YT",
-    "OF_N5",
-    "check_no_empty_case",
-    "foreign_content",
-    "foreign_folder",
-    "foreign_groups",
-    "foreign_kind",
-]
-
 OF_N5 = (
     "name a folder whose attributes.json has dimensions, and give wavesplat.Volume(tensorstore.open({'driver': 'n5', "
     "'kvstore': 'file://' + path + '/'}).result().read().result().T, spacing=...), of four axes .T[..., channel], or "

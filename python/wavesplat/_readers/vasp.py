@@ -22,8 +22,6 @@ from wavesplat._readers.request import Grid, Request, several
 from wavesplat._readers.text_numbers import n_bytes_of, numbers_of_text, opened_text
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["is_named", "read"]
-
 #: The kind of file in a name; alone it says so at the name's beginning or end.
 KIND = r"(CHGCAR|CHG|PARCHG|AECCAR[0-2]?|LOCPOT|ELFCAR)"
 IN_NAME = re.compile(rf"(?<![A-Za-z0-9]){KIND}(?![A-Za-z0-9])")

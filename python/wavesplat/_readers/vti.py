@@ -31,8 +31,6 @@ from wavesplat._readers.vtk_arrays import chosen, image_facts, other_grid, world
 from wavesplat._readers.vtk_blanking import GHOSTS, without_hidden
 from wavesplat.errors import FileError
 
-__all__ = ["contents", "parsed", "read"]
-
 #: VTK's name of a type -> NumPy's.
 TYPES = {"Float32": "f4", "Float64": "f8"} | {
     f"{kind}{8 * n}": f"{name}{n}" for kind, name in (("Int", "i"), ("UInt", "u")) for n in (1, 2, 4, 8)

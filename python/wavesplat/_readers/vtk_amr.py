@@ -18,8 +18,6 @@ from wavesplat._readers.request import Request
 from wavesplat._readers.vtk_arrays import world_from_index
 from wavesplat.errors import FileError
 
-__all__ = ["Box", "boxes_of", "on_one_grid", "sizes_of"]
-
 #: Boxes begin at cells of their level, but for this fraction of one.
 TOLERANCE = 1e-3
 

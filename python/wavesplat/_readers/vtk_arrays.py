@@ -14,8 +14,6 @@ from wavesplat._readers.file_contents import GridFacts
 from wavesplat._readers.request import Request, listed, no_such_name
 from wavesplat.errors import FileError
 
-__all__ = ["chosen", "described_grid", "image_facts", "other_grid", "world_from_index"]
-
 #: Names that a guess lists, at most.
 MAX_IN_GUESS = 8
 #: Names of arrays that number points and cells, or say where they came from: VTK puts them beside the fields.

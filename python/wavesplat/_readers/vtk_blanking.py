@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["GHOSTS", "without_hidden"]
-
 #: The name of such an array.
 GHOSTS = "vtkGhostType"
 #: Bits of its bytes: a hidden point, and a cell that is refined or hidden.

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["check_grid", "fills_space"]
-
 #: VTK's number of a type of cells -> their points, of those that have a fixed number (vtkCellType.h).
 POINTS_OF = {1: 1, 3: 2, 5: 3, 8: 4, 9: 4, 10: 4, 11: 8, 12: 8, 13: 6, 14: 5, 15: 10, 16: 12, 21: 3, 22: 6, 23: 8} | {
     24: 10,

@@ -46,8 +46,6 @@ from wavesplat._readers.vtk_sampling import (
 )
 from wavesplat.errors import FileError
 
-__all__ = ["SUFFIXES", "check_promises", "contents", "is_grid", "loaded", "read"]
-
 SUFFIXES = (".vtr", ".vts", ".vtu", ".vtp", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvtp", ".vtm", ".vtmb", ".vthb")
 EXTRA = "vtk"
 #: Bytes in which the kind of a file is looked for.

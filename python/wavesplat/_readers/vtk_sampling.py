@@ -17,16 +17,6 @@ from wavesplat._readers.vtk_blanking import GHOSTS
 from wavesplat._readers.vtk_checks import fills_space
 from wavesplat.errors import FileError
 
-__all__ = [
-    "check_depth",
-    "facts_of_grid",
-    "n_points",
-    "sampled_on_image",
-    "set_only_array",
-    "type_of_samples",
-    "uniform_place",
-]
-
 #: Places of a uniform grid are off by at most this fraction of a step.
 TOLERANCE = 1e-4
 #: The array in which VTK says whether a sample lies in the grid.

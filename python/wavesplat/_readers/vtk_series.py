@@ -20,8 +20,6 @@ from wavesplat._readers.request import Grid, Request, choose
 from wavesplat._readers.vti import parsed
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["SUFFIXES", "contents", "read"]
-
 SUFFIXES = (".pvd", ".series")
 #: A list of files has at most this many bytes.
 MAX_BYTES = 1 << 26

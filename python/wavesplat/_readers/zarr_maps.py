@@ -20,8 +20,6 @@ from wavesplat._readers.netcdf_axes import picked_axes
 from wavesplat._readers.request import Request
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["NamedVolume", "named_volume"]
-
 #: Longest coordinate that is read.
 MAX_COORDINATES = 1 << 20
 PACKED = "values are packed (scale_factor, add_offset), and drawn as they are stored: xarray.open_zarr unpacks them"

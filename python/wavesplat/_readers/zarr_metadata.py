@@ -15,8 +15,6 @@ from wavesplat._files import size_checks
 from wavesplat._files.zarr_place import ZarrPlace
 from wavesplat.errors import FileError
 
-__all__ = ["check_codecs", "check_numbers", "names"]
-
 #: Documents that name codecs: of an array (v2), of an array or group (v3), and of all arrays below (v2).
 DOCUMENTS = (".zarray", "zarr.json", ".zmetadata")
 #: Fields that hold codecs, by their `id` (v2) or `name` (v3), some of them inside each other.

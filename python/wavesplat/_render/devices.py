@@ -8,8 +8,6 @@ from wavesplat import gpu
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["chosen_device"]
-
 #: Environment variable with the device that "auto" stands for: for jobs and tests.
 DEVICE_VARIABLE = "WAVESPLAT_DEVICE"
 KINDS = ("auto", "cpu", "gpu")

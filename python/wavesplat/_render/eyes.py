@@ -13,8 +13,6 @@ from wavesplat._picture.picture import Picture
 from wavesplat._render import off_axis, panorama
 from wavesplat._render.off_axis import Draw
 
-__all__ = ["facts_of_eyes", "in_world", "n_pictures", "notes_on_eyes", "put_together"]
-
 
 def n_pictures(eyes: Eyes) -> int:
     """Number of perspective pictures that make the one of these eyes."""

@@ -29,8 +29,6 @@ from wavesplat._model.clips import Clipping
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["NOTE", "is_from_behind", "shows_face"]
-
 NOTE = (
     "a head is drawn with its skin: the picture may show a face that can be recognised; before you publish it, deface "
     "the scan (pydeface, mri_deface), or cut the face off (--cut-out, --clip)"

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from wavesplat._model.crop import Crop
     from wavesplat._model.volume import Volume
 
-__all__ = ["FILLED", "Part", "framed", "in_view_again", "is_of_patient", "natural_view", "shown_points"]
-
 #: A volume and its look.
 Part: TypeAlias = "tuple[Volume | WaveletVolume, Look]"
 

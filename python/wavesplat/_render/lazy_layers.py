@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from wavesplat._model.cutting import Boxes
     from wavesplat._render.options import DrawOptions
 
-__all__ = ["FROM_CACHE", "FrameSpec", "LazyLayers", "pixel_in_samples"]
-
 #: Text of the report where range and bounds were read from a cache folder, without a pass over the samples.
 FROM_CACHE = "from the cache"
 

@@ -14,8 +14,6 @@ from wavesplat._model.read_ahead import Box
 from wavesplat._model.volume import Volume
 from wavesplat.errors import LimitError
 
-__all__ = ["part_around"]
-
 #: Samples that kernels reach beyond a plane, coefficients of B-splines included.
 MARGIN = 20
 

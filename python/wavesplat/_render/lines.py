@@ -8,8 +8,6 @@ from math import ceil, floor
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["drawn_over"]
-
 #: Pixels of a mask for each of the picture, along both sides, as many as fit into its most pixels.
 FINER, MASK_PIXELS = (4, 2, 1), 1 << 27
 #: Places outside of the picture, pixels, are at most so far away: Pillow counts in whole numbers.

@@ -14,8 +14,6 @@ from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["note_on_steps", "notes_on_layers", "notes_on_picture", "notes_on_slice"]
-
 Floats = NDArray[np.float32]
 
 #: Least difference that shows in 8 bits.

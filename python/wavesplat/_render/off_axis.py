@@ -24,8 +24,6 @@ from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Draw", "cut_px", "facts_of_pair", "joined", "seen_by"]
-
 #: Share of its own colour that each eye has in an anaglyph, the rest is grey: VTK's default, against colours that only
 #: one eye sees.
 SATURATION = 0.65

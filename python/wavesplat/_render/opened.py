@@ -13,8 +13,6 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.framing import natural_view
 
-__all__ = ["can_be_cut_open", "cut_open_from", "note_on_block"]
-
 BLOCK = "matter fills the volume up to its faces, as in a crop or a small field of view"
 OTHER_VIEWS = "other views: --composite maximum, a preset (--preset), or slices by `wavesplat slice` with --plane ortho"
 #: An axis is cut if the cosine of its angle to the direction of the eye is larger.

@@ -12,8 +12,6 @@ from wavesplat._model.sampling import Sampling
 from wavesplat._model.stereo import Eyes, Stereo, checked_eyes
 from wavesplat._public import public
 
-__all__ = ["DrawOptions", "FrameOptions", "RenderOptions"]
-
 
 class FrameOptions(TypedDict, total=False):
     """Options of every function that draws pictures of a volume; `RenderOptions` documents them."""

@@ -28,8 +28,6 @@ from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
 from wavesplat._render.off_axis import Draw
 
-__all__ = ["all_around", "faces_of_cube", "faces_of_turns"]
-
 Array = NDArray[Any]
 
 #: Pixels of the pictures for each pixel of the panorama, along the horizon: resampling blurs less.

@@ -29,8 +29,6 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
 
-__all__ = ["Numbers", "absorption", "compiled_name", "depth_colors", "exposed_by", "in_order", "numbers", "on"]
-
 #: Transfer function of a picture of which only the values are used, and its longer side, pixels.
 ANY_CURVES = TransferFunction([(0.0, 1.0)], [(0.0, 1.0, 1.0, 1.0)])
 OVERVIEW_PX = 128

@@ -21,8 +21,6 @@ from wavesplat._model.lazy_array import LazyArray
 from wavesplat._model.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, ReadCounts, SampleBuffers, copy_overlap
 from wavesplat.errors import CancelledError, LimitError
 
-__all__ = ["Corners", "Progress", "Reading", "Streaming", "draw_block", "draw_segment", "streamed"]
-
 #: Share of a budget that is for the samples of two steps; the rest is for bounds, what is being unpacked, and what the
 #: allocator keeps. A first picture of 2048^3 from Zarr within 300 MB peaks at 306 MB, Python included, by 0.25 (14
 #: blocks, 19.7 s of processor time), at 336 by 0.33 (10, 17.6 s), at 363 by 0.4 (8, 16.6 s): larger blocks share fewer

@@ -18,8 +18,6 @@ from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["LEFT_OUT", "note_on_table"]
-
 NOTE = (
     "the picture seems to show the table beside the body; --remove-table (wavesplat.largest_body) takes it out of the "
     "scan"

@@ -16,8 +16,6 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render import windows
 
-__all__ = ["air_around", "least_of_body"]
-
 #: Value between air and the body in a CT, Hounsfield units.
 AIR_HU = -400.0
 #: Value between air and the body in other scans, as a share of the way from dark to bright. (Two heads of T1: air has

@@ -19,8 +19,6 @@ from wavesplat._scene.looks_of_layers import is_automatic, looks_beside_each_oth
 from wavesplat._scene.scene import Scene
 from wavesplat._scene.volumes_of_layers import identity_of
 
-__all__ = ["Channels", "added", "automatic_fluorescence", "channels_of"]
-
 Floats: TypeAlias = NDArray[np.float32]
 #: Layers that are channels, and their light.
 Channels: TypeAlias = "list[tuple[Layer, ChannelLight]]"

@@ -28,8 +28,6 @@ from wavesplat._scene.scene import Scene
 from wavesplat._scene.volumes_of_layers import identity_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Comparison", "comparison"]
-
 AnyVolume: TypeAlias = Volume | WaveletVolume
 Values: TypeAlias = NDArray[np.float32]
 

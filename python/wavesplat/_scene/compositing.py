@@ -11,8 +11,6 @@ from wavesplat import _native
 from wavesplat._looks import colors
 from wavesplat._looks.transfer_function import TransferFunction
 
-__all__ = ["AddedLight", "over_background"]
-
 #: Smallest opacity of a projection from which its light can be recovered.
 MIN_LEFT = 1e-3
 

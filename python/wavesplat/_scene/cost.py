@@ -55,8 +55,6 @@ from wavesplat._scene.rehearsal import Shares, frame_of, rehearsed
 from wavesplat._scene.shape_cost import SHAPE_COPIES, bytes_of_geometry
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Cost", "plan"]
-
 #: Blocks of a picture for each worker.
 BLOCKS_PER_WORKER = 4
 #: Seconds that a scheduler takes for a task, bytes of a texel of a partial picture, and bytes a second between workers.

@@ -16,8 +16,6 @@ from wavesplat._model.clips import Clipping, ClipPlane
 from wavesplat._model.crop import Crop
 from wavesplat._model.grid import Grid
 
-__all__ = ["CutFace", "cut_faces"]
-
 Array = NDArray[np.float64]
 
 #: Part of a sample's distance within which a face lies on a wall of the volume, where nothing is cut.

@@ -8,8 +8,6 @@ from typing import Any, TypeVar
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["check_fields", "list_in", "made_at"]
-
 T = TypeVar("T")
 
 

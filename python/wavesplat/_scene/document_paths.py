@@ -18,8 +18,6 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.private_names import CONTENT, file_of_content
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["Reach"]
-
 #: Largest number of characters of a path that a message quotes.
 MAX_LETTERS = 120
 MEND = "if you trust the document, open it with external_files=True (--external-files)"

@@ -22,8 +22,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
 
-__all__ = ["DrawnColor", "check_operator", "check_rows", "drawn_color", "labels_by_field"]
-
 #: Map of the measures of labels, whose dark end is seen on black.
 MEASURE_MAP = "viridis"
 #: Part of a sample by which rounding may take a corner too far.

@@ -32,8 +32,6 @@ from wavesplat._scene.document_paths import Reach
 from wavesplat._scene.named_volumes import volume_named
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["MAX_INLINE", "TYPES", "fields_of", "shapes_of"]
-
 TYPES: dict[str, type[Shape]] = {
     "surface": Surface,
     "lines": Lines,

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from wavesplat._looks.labels import Labels
 from wavesplat._render.slicing import Planes
 
-__all__ = ["codes_at", "colored", "colors_of_labels", "laid_over"]
-
 #: Opacity of a label's inside, as a share of its outline's: the scan shows through.
 FILL = 0.4
 #: Pixels that are worked on at once: their positions, in float64, take little memory.

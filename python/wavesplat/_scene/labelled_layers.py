@@ -19,8 +19,6 @@ from wavesplat._model.volume import Volume
 from wavesplat._scene.layer import Layer
 from wavesplat.errors import ArgumentError
 
-__all__ = ["labelled_layers"]
-
 
 class _Times:
     """The volumes along the axis of times of an array, whose coordinates are the times where they are numbers."""

@@ -18,8 +18,6 @@ from wavesplat._readers.time_points import open_series
 from wavesplat._scene.document_paths import Reach
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["volume_named"]
-
 EXAMPLES = {name: getattr(examples, name) for name in examples.__all__}
 #: Steps of processing a volume, by their name in a document.
 STEPS: dict[str, Callable[..., Any]] = {

@@ -32,8 +32,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from typing import Unpack
 
-__all__ = ["open_scene"]
-
 
 @dataclass(frozen=True)
 class _Wanted:

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.transfer_function import TransferFunction
 
-__all__ = ["clear_below", "laid_over"]
-
 Floats: TypeAlias = NDArray[np.float32]
 
 #: Pixels that are mixed at once: their colours, in float64, take little memory.

@@ -23,8 +23,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from typing import Unpack
 
-__all__ = ["render_part"]
-
 
 @public
 @takes_its_types

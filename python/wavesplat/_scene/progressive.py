@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
     from wavesplat._scene.layer import Layer
 
-__all__ = ["coarser_scenes", "progressive"]
-
 #: Seconds between two pictures of one level that is not done yet.
 SHOWN_EVERY_S = 0.5
 #: Step in levels from one coarser picture to the next: those between take time and show little.

@@ -13,8 +13,6 @@ from wavesplat._model.views import PLANES
 from wavesplat._picture.picture import Picture
 from wavesplat._render.lines import drawn_over
 
-__all__ = ["color_of", "scout_of", "with_reference_lines"]
-
 Facts: TypeAlias = Mapping[str, Any]
 Line: TypeAlias = NDArray[np.float64]
 

@@ -27,8 +27,6 @@ from wavesplat._scene.drawing import draw
 from wavesplat._scene.scene import Scene
 from wavesplat.errors import CancelledError, LimitError
 
-__all__ = ["Shares", "frame_of", "rehearsed"]
-
 #: Pixels along the longer side of a rehearsal, at most.
 MAX_PIXELS = 512
 

@@ -21,8 +21,6 @@ from wavesplat._scene.scene import as_scene
 if TYPE_CHECKING:
     from typing import Unpack
 
-__all__ = ["render"]
-
 
 @public
 @takes_its_types

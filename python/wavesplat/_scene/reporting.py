@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
-__all__ = ["facts_of"]
-
 #: Largest number of transfer functions whose fields are kept: those of layers, and one per view of projections.
 MAX_KEPT = 32
 

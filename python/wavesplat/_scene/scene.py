@@ -37,8 +37,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from typing import Unpack
 
-__all__ = ["Cache", "Scene", "as_scene", "names_by_themselves"]
-
 #: Largest number of layers of a scene.
 MAX_LAYERS = 8
 #: Largest numbers of kept facts and looks, three for a layer, and of kinds of pictures with kept measurements.

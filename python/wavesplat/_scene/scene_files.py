@@ -13,8 +13,6 @@ from wavesplat._scene import scene_json
 from wavesplat._scene.scene_json import Document
 from wavesplat.errors import ArgumentError
 
-__all__ = ["load"]
-
 
 def load(path: str | PathLike[str], *, external_files: bool = False) -> Document:
     """The document in a file; relative paths in it start from the file's folder.

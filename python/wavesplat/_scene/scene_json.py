@@ -50,18 +50,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._scene.scene import Scene
 
-__all__ = [
-    "KIND",
-    "VERSION",
-    "Document",
-    "document_of",
-    "fields_of_operator",
-    "fields_of_sampling",
-    "given_look",
-    "parse",
-    "write",
-]
-
 KIND, VERSION = "scene", 1
 WHAT = "scene"
 LABELS = ("volume", "labels", "smooth")

@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     from wavesplat._model.grid import Grid
     from wavesplat._render.options import DrawOptions
 
-__all__ = ["also_in_view", "facts_of_geometry", "notes_on_geometry", "shapes_of", "with_text"]
-
-
 #: Keeps the arrays that a function makes, by a key, and the identity of what they are made from.
 Keep = Callable[[Any, object, Callable[[], ShapeArrays]], ShapeArrays]
 

@@ -19,8 +19,6 @@ from wavesplat._model.volume import Volume
 from wavesplat._scene.layer import Layer
 from wavesplat.errors import ArgumentError
 
-__all__ = ["save"]
-
 #: Least cosine between the hues of a look and of a file's colour, which it shows lightened, that count as one.
 SAME_HUE = 0.98
 

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from wavesplat._geometry.slice_plane import SlicePlane
     from wavesplat._model.grid import Grid
 
-__all__ = ["SHAPE_COPIES", "bytes_of_geometry"]
-
 #: Bytes that a process takes for shapes while it draws, as a multiple of their arrays: these, the compiled module's,
 #: and where the shapes lie in the picture. Measured: 2.9 for 5 million triangles.
 SHAPE_COPIES = 4

@@ -30,8 +30,6 @@ from wavesplat._render.lines import drawn_over
 from wavesplat._render.slicing import Planes
 from wavesplat.errors import ArgumentError
 
-__all__ = ["LinesOver", "Over", "lines_over"]
-
 Rgba: TypeAlias = NDArray[np.float32]
 Lines: TypeAlias = "list[NDArray[np.float64]]"
 Named: TypeAlias = "tuple[str, tuple[float, float, float], Lines]"

@@ -48,8 +48,6 @@ from wavesplat._scene.summary import facts_of_time, names_of, quantity_of
 from wavesplat._scene.volumes_of_layers import identity_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["curves_over", "slice"]
-
 Floats: TypeAlias = NDArray[np.float32]
 
 

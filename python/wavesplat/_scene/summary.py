@@ -20,8 +20,6 @@ from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 from wavesplat._scene.volumes_of_layers import identity_of
 
-__all__ = ["facts_of_layers", "facts_of_picture", "facts_of_time", "names_of", "quantity_of", "stamped"]
-
 
 def facts_of_picture(
     scene: Scene, camera: Camera, size: tuple[int, int], background: Rgba | None, labels: Labels | None

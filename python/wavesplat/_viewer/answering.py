@@ -16,8 +16,6 @@ from wavesplat._viewer import questions
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import CancelledError, WavesplatError
 
-__all__ = ["Answering", "failure_of"]
-
 #: Largest number of questions that wait.
 MAX_QUESTIONS = 64
 #: Least seconds between two messages of progress.

@@ -14,8 +14,6 @@ import weakref
 import webbrowser
 from pathlib import Path
 
-__all__ = ["BrowserLink"]
-
 PAGE = """<!DOCTYPE html>
 <html lang="en">
 <meta charset="utf-8">

@@ -17,8 +17,6 @@ from wavesplat._model.volume import Volume
 from wavesplat._scene.layer import Layer
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Catalogue", "Entry"]
-
 #: Largest number of things that are kept, and of bytes of their samples in memory; the least recently used are dropped
 #: first. The scene that is shown holds its own, so that only steps of undo are lost.
 MAX_ENTRIES, MAX_BYTES = 32, 4 << 30

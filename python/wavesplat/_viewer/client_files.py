@@ -6,8 +6,6 @@ import gzip
 from dataclasses import dataclass
 from importlib.resources import files
 
-__all__ = ["ClientFile", "client_files", "widget_source"]
-
 #: Types of files by their suffixes.
 TYPES = {"html": "text/html", "js": "text/javascript", "svg": "image/svg+xml"}
 #: Scripts have the hash of their content in their names, so they never change; the page itself is always asked for.

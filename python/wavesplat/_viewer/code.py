@@ -19,8 +19,6 @@ from wavesplat._viewer.seen import Shown, name_of
 from wavesplat._viewer.short_looks import short_document
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["command_of", "python_of"]
-
 #: Placeholder for data that comes from no file.
 NOT_GIVEN = "...  # give the {} here: it comes from no file"
 #: Functions of `wavesplat` that change volumes, by the step in their source; other steps are methods.

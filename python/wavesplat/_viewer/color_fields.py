@@ -18,8 +18,6 @@ from wavesplat._scene.summary import quantity_of
 from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.probing import sample_at, value_at
 
-__all__ = ["color_fields_of", "values_at"]
-
 
 def color_fields_of(scene: Scene) -> list[dict[str, Any] | None]:
     """Facts of the field that colours each layer: name, unit of values, nodes of its colours; None without one."""

@@ -10,8 +10,6 @@ from wavesplat._scene.scene import names_by_themselves
 from wavesplat._viewer.short_looks import short_look
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["options_of"]
-
 
 def options_of(state: ViewerState, size: tuple[int, int]) -> str | None:
     """The arguments of the command, but for the output; None where options cannot say what the state says.

@@ -14,8 +14,6 @@ from typing import Any
 from wavesplat._viewer.patches import patched
 from wavesplat._viewer.state import ViewerState, is_same
 
-__all__ = ["confirmed"]
-
 
 def confirmed(state: ViewerState, operations: Sequence[Any]) -> tuple[ViewerState, list[dict[str, Any]]]:
     """The state after a page's changes, and the operations that turn the page's document into its document.

@@ -16,8 +16,6 @@ import tornado.httpserver
 import tornado.ioloop
 import tornado.iostream
 
-__all__ = ["BoundedServer", "Listener", "QuietLog"]
-
 #: Connections that may be open at once; further ones are closed as they come.
 MAX_CONNECTIONS = 64
 #: Seconds in which the header of a request must come, also of the next one of a connection.

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from wavesplat._picture import picture_files
 
-__all__ = ["jpeg_bytes", "png_bytes"]
-
 #: Colour behind transparent pixels in a format without transparency.
 PAPER = (0.0, 0.0, 0.0)
 

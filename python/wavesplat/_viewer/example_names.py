@@ -1,6 +1,4 @@
 """The volumes of `wavesplat.examples` that the viewer offers, and what they are."""
 
-__all__ = ["EXAMPLES"]
-
 #: Name of the function -> the name that people read.
 EXAMPLES = {"ct_pelvis": "Pelvis, CT", "mri_head": "Head, MRI", "ripples": "Ripples, calculated"}

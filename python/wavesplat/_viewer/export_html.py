@@ -10,8 +10,6 @@ from wavesplat._picture.picture import Picture
 from wavesplat._viewer import encoding
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["page_of"]
-
 PAGE = """<!doctype html>
 <html lang="en">
 <head>

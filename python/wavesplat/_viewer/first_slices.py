@@ -20,8 +20,6 @@ from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 from wavesplat._scene.volumes_of_layers import identity_of
 
-__all__ = ["first_crosshair", "has_channels", "slice_colors", "slice_window"]
-
 #: Level and width.
 Window: TypeAlias = tuple[float, float]
 

@@ -22,8 +22,6 @@ from wavesplat._render.framing import FILLED
 from wavesplat._scene.scene import Scene
 from wavesplat._viewer.previews import preview_of
 
-__all__ = ["FirstView", "framed", "kept_in_view", "scaled"]
-
 #: A grid around all volumes, and world positions of what is seen, shape (n, 3); None where all may be seen.
 Seen: TypeAlias = tuple[Grid | Scene, NDArray[np.float64] | None]
 

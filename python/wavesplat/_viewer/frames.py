@@ -10,8 +10,6 @@ from wavesplat._viewer.slice_values import SliceValues
 from wavesplat._viewer.slice_view import geometry_of
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["frame_fields"]
-
 
 def frame_fields(
     state: ViewerState, view: str, picture: Picture | SliceValues, settings: Settings, *, at_rest: bool

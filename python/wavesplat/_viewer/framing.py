@@ -12,8 +12,6 @@ from typing import Any
 from wavesplat._files import json_text
 from wavesplat.errors import ArgumentError
 
-__all__ = ["MAX_BYTES", "PROTOCOL", "packed", "unpacked"]
-
 PROTOCOL = 1
 #: Largest message to the server, bytes: a state with a large table of colours, or a file of one.
 MAX_BYTES = 1 << 20

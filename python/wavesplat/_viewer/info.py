@@ -25,8 +25,6 @@ from wavesplat._viewer.color_fields import color_fields_of
 from wavesplat._viewer.framing import PROTOCOL
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["data_of", "fingerprint_of", "welcome_of"]
-
 VIEWS = ("front", "back", "left", "right", "top", "bottom")
 #: Labels of the ends of -x, +x, -y, +y, -z, +z: for bodies, and for other data.
 BODY_ENDS = ("L", "R", "P", "A", "I", "S")

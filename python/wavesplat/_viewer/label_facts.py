@@ -11,8 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["LabelValues", "values_of_labels"]
-
 #: Samples of a slab, about: 8 MB as 64-bit numbers, which caches of processors hold in part.
 SLAB_SAMPLES = 1 << 18
 

@@ -12,8 +12,6 @@ from wavesplat._looks.look import Look
 from wavesplat._model.series import Series
 from wavesplat._scene.scene import Scene
 
-__all__ = ["with_labels_apart"]
-
 
 def with_labels_apart(scene: Scene) -> Scene:
     """The scene with the labels of its only layer's look as its own; the scene itself where there are none."""

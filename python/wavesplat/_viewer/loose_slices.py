@@ -12,8 +12,6 @@ from pathlib import Path
 
 from wavesplat._readers.dicom_header import header_of
 
-__all__ = ["gathered"]
-
 #: Headers that are read to see whether all slices are of one series, and letters of a name, at most.
 MAX_HEADERS, MAX_LETTERS = 16, 60
 #: Name of slices whose files have nothing in common.

@@ -15,8 +15,6 @@ from wavesplat._viewer.label_facts import values_of_labels
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError
 
-__all__ = ["label_statistics", "region_statistics"]
-
 #: Pixels along the longer side of a region; values between samples are read at so many.
 REGION_PX = 256
 

@@ -23,8 +23,6 @@ from wavesplat.errors import WavesplatError
 if TYPE_CHECKING:
     from wavesplat._viewer.viewer import Viewer
 
-__all__ = ["bundle_of", "check", "widget_of"]
-
 #: Pixels of the picture that a saved notebook shows.
 STILL_SIZE = (640, 480)
 #: Largest number of pages of a widget: they may go without a message.

@@ -7,8 +7,6 @@ from typing import Any, TypeAlias
 from wavesplat._scene.scene import Scene
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["added", "replaced"]
-
 Operations: TypeAlias = list[dict[str, Any]]
 
 #: Fields that another scene brings; settings of the page and of drawing stay.

@@ -28,8 +28,6 @@ from wavesplat._scene.opening import open_scene
 from wavesplat._scene.scene import MAX_LAYERS, Scene
 from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
 
-__all__ = ["Found", "Several", "found_at", "scene_with"]
-
 Kind: TypeAlias = Literal["volume", "labels", "shape"]
 #: Options that choose among what a file holds, which a page may be asked for.
 CHOICES = ("series", "dataset")

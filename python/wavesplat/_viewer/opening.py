@@ -30,8 +30,6 @@ from wavesplat._viewer.upload_readers import readers_of
 from wavesplat._viewer.uploads import Upload, Uploads
 from wavesplat.errors import ArgumentError, CancelledError, FileError, WavesplatError
 
-__all__ = ["Opener"]
-
 Send: TypeAlias = Callable[[dict[str, Any], bytes], None]
 Answer: TypeAlias = tuple[dict[str, Any], bytes]
 

@@ -12,8 +12,6 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass, field
 
-__all__ = ["BUDGETS_MS", "Pace", "Settings", "rungs_of"]
-
 
 @dataclass(frozen=True)
 class Settings:

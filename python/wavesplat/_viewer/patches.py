@@ -12,8 +12,6 @@ from wavesplat._files import json_text
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["patched"]
-
 #: Largest number of steps of a path: the deepest field of a state has seven.
 MAX_STEPS = 16
 

@@ -12,8 +12,6 @@ from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.slice_view import slice_of
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["picture_of", "pictures_at_rest", "render_arguments"]
-
 
 def render_arguments(state: ViewerState, size: tuple[int, int]) -> dict[str, Any]:
     """Arguments of `Scene.render` for the picture at rest, but for the camera."""

@@ -9,8 +9,6 @@ from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 
-__all__ = ["has_lazy", "preview_of"]
-
 #: The last scene, and its copy.
 _LAST: list[tuple[Scene, Scene]] = []
 

@@ -9,8 +9,6 @@ import numpy as np
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 
-__all__ = ["sample_at", "value_at"]
-
 
 def value_at(volume: Volume, place: tuple[int, int, int]) -> float:
     """The value of the sample with an index [z, y, x]."""

@@ -15,8 +15,6 @@ from typing import Any
 
 from wavesplat._files.addresses import is_address, safe_address
 
-__all__ = ["Recent", "last_part", "state_folder"]
-
 MAX_FILES = 12
 #: Largest file that is read, bytes: a longer one is not ours.
 MAX_BYTES = 1 << 18

@@ -6,8 +6,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["Refining"]
-
 #: Seconds without a word, since most pictures are done by then; and seconds between two messages.
 SILENT_S, EVERY_S = 0.3, 0.1
 

@@ -30,8 +30,6 @@ from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Shown", "check_shown", "name_of", "seen"]
-
 #: One view, by the axis across a slice, or all of them.
 Shown: TypeAlias = Literal["3d", "z", "y", "x", "all"]
 #: Pixels between two views, and their colour.

@@ -29,8 +29,6 @@ from wavesplat._viewer.session import Client, Session
 from wavesplat._viewer.tokens import Tokens
 from wavesplat.errors import ArgumentError, WavesplatError
 
-__all__ = ["Server"]
-
 HOST = "127.0.0.1"
 #: Seconds in which a page must say who it is; largest number of patches a second from one.
 HELLO_S, MAX_PATCHES_PER_S = 5.0, 240

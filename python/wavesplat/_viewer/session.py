@@ -30,8 +30,6 @@ from wavesplat._viewer.state import ViewerState, changes_picture, changes_slices
 from wavesplat._viewer.view_json import VIEWS
 from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
 
-__all__ = ["Client", "Session"]
-
 #: Function that sends header and payload to a page; called from any thread, and must not wait.
 Send = Callable[[dict[str, Any], bytes], None]
 

@@ -26,8 +26,6 @@ from wavesplat._viewer.probing import sample_at, value_at
 from wavesplat._viewer.sight import Sight, depth_of_matter
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["shape_seen"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 

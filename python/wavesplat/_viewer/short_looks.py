@@ -16,8 +16,6 @@ from wavesplat._scene.scene import names_by_themselves
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import WavesplatError
 
-__all__ = ["USUAL", "short_document", "short_look"]
-
 #: Fields of a layer that may be left out where they have these values.
 USUAL: dict[str, Any] = {"visible": True, "opacity": 1.0, "time": 0}
 

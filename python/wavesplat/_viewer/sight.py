@@ -14,8 +14,6 @@ from wavesplat._model.camera_fit import axes_of
 from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["Sight", "depth_of_matter", "sight_at"]
-
 Array: TypeAlias = NDArray[np.float64]
 
 #: Side, pixels, of the small picture around a pixel that finds the depth there.

@@ -31,8 +31,6 @@ from wavesplat._scene.slicing import curves_over
 from wavesplat._viewer.slice_view import background_of, colors_of, slice_arguments
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["SliceValues", "slice_values"]
-
 Codes: TypeAlias = NDArray[np.uint16]
 
 #: Code of pixels without a value, and the largest code of a value.

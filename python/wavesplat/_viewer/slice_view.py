@@ -21,8 +21,6 @@ from wavesplat._scene.slicing import slice as cut
 from wavesplat._viewer.first_slices import has_channels, slice_colors, slice_window
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["background_of", "colors_of", "geometry_of", "range_along", "slice_arguments", "slice_of", "window_of"]
-
 Array = NDArray[np.float64]
 
 

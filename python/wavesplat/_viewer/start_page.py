@@ -15,8 +15,6 @@ from wavesplat._viewer.state import ViewerState
 from wavesplat._viewer.uploads import MAX_BYTES
 from wavesplat.errors import ArgumentError
 
-__all__ = ["example_picture", "example_scene", "offered"]
-
 #: Pixels of the picture of an example, and quality of its JPEG file.
 PICTURE_SIZE, PICTURE_QUALITY = (320, 240), 85
 

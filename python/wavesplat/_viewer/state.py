@@ -36,8 +36,6 @@ from wavesplat._viewer.patches import patched
 from wavesplat._viewer.previews import has_lazy, preview_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["ViewerState", "changes_picture", "changes_slices", "is_same"]
-
 WHAT = scene_json.WHAT
 #: Size of the picture that is drawn to find looks, operator and camera that are not given, pixels.
 FIRST_SIZE = (64, 48)

@@ -10,8 +10,6 @@ import hmac
 import secrets
 from collections.abc import Iterable
 
-__all__ = ["Tokens"]
-
 #: Largest number of tokens, and of keys of pages that have gone, that are remembered.
 MAX_KEYS = 64
 

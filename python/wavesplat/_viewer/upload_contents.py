@@ -13,8 +13,6 @@ from wavesplat._scene.scene import MAX_LAYERS
 from wavesplat._viewer.loose_slices import gathered
 from wavesplat.errors import FileError
 
-__all__ = ["paths_in"]
-
 #: Suffix of a header -> suffixes of the files that hold its samples, which are not opened themselves.
 PARTS = {
     (".mhd",): (".raw", ".zraw", ".raw.gz"),

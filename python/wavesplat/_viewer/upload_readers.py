@@ -15,8 +15,6 @@ from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._viewer.open_paths import Found
 
-__all__ = ["readers_of"]
-
 
 def readers_of(found: Found) -> Iterator[object]:
     """The objects that read on from the files of what was found; copies, parts and moved volumes share them."""

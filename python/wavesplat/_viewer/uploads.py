@@ -24,8 +24,6 @@ from typing import Any
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["MAX_BYTES", "MAX_TOTAL_BYTES", "Upload", "Uploads", "checked_parts"]
-
 #: Largest upload: bytes and files together; larger data are opened where they lie, by the command.
 MAX_BYTES, MAX_FILES = 4 << 30, 20_000
 #: Largest number of bytes and files of all uploads of a viewer, finished ones included while their files are needed.

@@ -34,8 +34,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from typing import Self
 
-__all__ = ["Viewer", "view"]
-
 #: Pixels of pictures whose size is not given.
 PICTURE_SIZE = (1024, 768)
 

@@ -6,8 +6,6 @@ machine. Most requests of this kind come through an SSH tunnel from another port
 
 from __future__ import annotations
 
-__all__ = ["page_of"]
-
 PAGE = """<!doctype html>
 <html lang="en">
 <meta charset="utf-8">

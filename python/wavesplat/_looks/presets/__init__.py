@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["GROUPS", "Preset", "added_to_hounsfield", "catalogue", "fitting", "names", "plain", "preset"]
-
 #: Kinds of data that presets are for, in the order of lists, and their titles.
 GROUPS = {
     "ct": "CT, in Hounsfield units",

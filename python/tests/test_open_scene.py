@@ -8,7 +8,7 @@ from test_facts_of_files import save_imagej, save_ome_zarr
 
 import wavesplat as ws
 from wavesplat._looks import channels
-from wavesplat._readers import ome_zarr
+from wavesplat._readers.levels import Levels
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
 N = 12
@@ -110,14 +110,8 @@ def test_a_single_channel_has_the_look_of_its_kind(tmp_path):
 
 def test_each_channel_is_read_once(tmp_path, monkeypatch):
     read = []
-    original = ome_zarr._read_level
-
-    def counting(group, multiscales, request):
-        grid = original(group, multiscales, request)
-        read.append(request.channel)
-        return grid
-
-    monkeypatch.setattr(ome_zarr, "_read_level", counting)
+    original = Levels.whole
+    monkeypatch.setattr(Levels, "whole", lambda self, request: read.append(request.channel) or original(self, request))
     ws.open_scene(save(tmp_path / "a.zarr", 3, DESCRIBED)).bounds  # noqa: B018
     assert read == [0, 1, 2]
     read.clear()

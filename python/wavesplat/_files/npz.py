@@ -13,12 +13,12 @@ from wavesplat._files import size_checks
 __all__ = ["check_members", "npy_header"]
 
 
-def npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Shape and type in the header of a .npy file."""
+def npy_header(file: Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    """Shape, whether the first axis is the fastest, and type in the header of a .npy file."""
     version = np.lib.format.read_magic(file)
     read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-    shape, _, dtype = read_header(file)
-    return shape, dtype
+    found: tuple[tuple[int, ...], bool, np.dtype[Any]] = read_header(file)
+    return found
 
 
 def check_members(archive: zipfile.ZipFile, names: Iterable[str], path: object) -> None:
@@ -26,7 +26,7 @@ def check_members(archive: zipfile.ZipFile, names: Iterable[str], path: object) 
     total = 0
     for name in names:
         with archive.open(name) as file:
-            shape, dtype = npy_header(file)
+            shape, _, dtype = npy_header(file)
         if dtype.hasobject:
             continue  # a pickle, which NumPy refuses
         member = archive.getinfo(name)

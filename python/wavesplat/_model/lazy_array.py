@@ -47,6 +47,7 @@ __all__ = [
     "LazyArray",
     "LazyConverted",
     "SlicedArray",
+    "along_zyx",
     "lazy_array",
 ]
 
@@ -125,8 +126,9 @@ class SlicedArray:
     """Samples that are read by slicing an array of any number of axes.
 
     array : the array, or None where `opened` opens it, once in each process.
-    order : which axes of the array are z, y, x.
-    picked : the index along every axis, None for z, y and x.
+    order : which axes of the array are z, y, x; two of a single plane, which has one sample along z.
+    picked : the index along every axis, None for z, y and x, a slice for an axis that `convert` takes away.
+    convert : makes samples of a part of the array, whose axes are still in the array's order.
     token : a name for the array; `files`, where given, identify its content.
     reads_parts : whether a part of a chunk is read without the rest of it.
     """
@@ -137,8 +139,8 @@ class SlicedArray:
         *,
         name: str,
         chunks: Sequence[int],
-        order: Shape = (0, 1, 2),
-        picked: Sequence[int | None] = (None, None, None),
+        order: tuple[int, ...] = (0, 1, 2),
+        picked: Sequence[int | slice | None] = (None, None, None),
         opened: Callable[[], Any] | None = None,
         convert: Callable[[NDArray[Any]], NDArray[Any]] | None = None,
         dtype: np.dtype[Any] | None = None,
@@ -156,7 +158,8 @@ class SlicedArray:
         self.name, self.n_readers, self.files = name, n_readers, files
         own = self._source if shape is None or dtype is None else None
         full = tuple(int(n) for n in own.shape) if own is not None else ()
-        self.shape = shape if shape is not None else (full[order[0]], full[order[1]], full[order[2]])
+        z, y, x = shape if shape is not None else along_zyx(full, order, 1)
+        self.shape = (z, y, x)
         self._stored = np.dtype(own.dtype) if own is not None else np.dtype(dtype)
         declared = self._stored if dtype is None else dtype
         self.dtype, self.is_wide_integer = renderable_type(declared, name), is_wide_integer(declared)
@@ -176,17 +179,30 @@ class SlicedArray:
 
     def _index(self, lo: Shape, hi: Shape) -> tuple[int | slice, ...]:
         index: list[int | slice] = [slice(None) if one is None else one for one in self._picked]
-        for axis, first, end in zip(self._order, lo, hi, strict=True):
+        n = len(self._order)
+        for axis, first, end in zip(self._order, lo[-n:], hi[-n:], strict=True):
             index[axis] = slice(first, end)
         return tuple(index)
 
-    def _made(self, part: Any) -> NDArray[Any]:
-        """Samples that were read, as [z, y, x] and in the renderer's type."""
-        kept = sorted(self._order)
-        samples = np.transpose(np.asanyarray(part), [kept.index(axis) for axis in self._order])
+    def _turned(self, part: Any) -> NDArray[Any]:
+        """Samples that were read, as [z, y, x]."""
+        kept, samples = sorted(self._order), np.asanyarray(part)
         if self._convert is not None:
             samples = self._convert(samples)
-        return converted(samples, self.dtype, self._stored, self.name)
+        samples = np.transpose(samples, [kept.index(axis) for axis in self._order])
+        return samples if samples.ndim == 3 else samples[np.newaxis]
+
+    def _made(self, part: Any) -> NDArray[Any]:
+        """Samples that were read, as [z, y, x] and in the renderer's type."""
+        return converted(self._turned(part), self.dtype, self._stored, self.name)
+
+    def whole(self) -> NDArray[Any]:
+        """All samples, in the type that they are stored in; errors are those of the library that reads them."""
+        source, index = self._source, self._index((0, 0, 0), self.shape)
+        if self._check is not None:
+            self._check(source, index)
+        read = getattr(source, "read_by_threads", source.__getitem__)
+        return self._turned(read(index))
 
     def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
         """Read the samples of a box."""
@@ -267,6 +283,12 @@ class SlicedArray:
         if self._opened is not None:
             state["_array"] = None
         return state
+
+
+def along_zyx(sizes: Sequence[int], order: Sequence[int], of_plane: int) -> Shape:
+    """The sizes along the axes z, y, x; `of_plane` along z where there are two axes."""
+    z, y, x = [of_plane] * (3 - len(order)) + [int(sizes[axis]) for axis in order]
+    return z, y, x
 
 
 class ComputedArray(SlicedArray):

@@ -20,7 +20,17 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from nibabel.spatialimages import SpatialImage
 
-__all__ = ["LARGEST_FLOAT32", "NO_ANATOMY", "facts_of", "of_nibabel", "scaled", "time_axis", "world_from_index"]
+__all__ = [
+    "LARGEST_FLOAT32",
+    "NO_ANATOMY",
+    "facts_of",
+    "in_type",
+    "of_nibabel",
+    "scaled",
+    "time_axis",
+    "type_of_scaled",
+    "world_from_index",
+]
 
 #: NIfTI's codes of units (nifti1.h, NIFTI_UNITS_*), in the three low bits of a number and in the next three: metres,
 #: millimetres, micrometres; seconds, milliseconds, microseconds; and units of fourth axes that are none of times.
@@ -70,17 +80,34 @@ def scaled(stored: NDArray[Any], slope: float, intercept: float) -> NDArray[Any]
     """Samples with slope and intercept applied; integers stay integers where nothing is lost."""
     if (slope, intercept) == (1.0, 0.0):
         return stored
-    if stored.dtype.kind in "iu" and slope.is_integer() and intercept.is_integer():
-        ends = [int(end) * int(slope) + int(intercept) for end in (stored.min(), stored.max())]
-        for dtype in (np.int16, np.int32):
-            if np.iinfo(dtype).min <= min(ends) and max(ends) <= np.iinfo(dtype).max:
-                return (stored.astype(np.int64) * int(slope) + int(intercept)).astype(dtype)
-    values = stored * np.float64(slope) + intercept
+    limits = (int(stored.min()), int(stored.max())) if stored.dtype.kind in "iu" else None
+    dtype = type_of_scaled(stored.dtype, slope, intercept, limits)
+    if dtype != np.float32:
+        return in_type(stored, slope, intercept, dtype)
+    values = in_type(stored, slope, intercept, np.dtype(np.float64))
     # Slopes near the limit of float32 make values beyond it.
     may_be_large = max(abs(slope), abs(intercept)) > 1e20 or (stored.dtype.kind == "f" and abs(slope) > 1)
-    if stored.dtype.itemsize > 4 or (may_be_large and _largest(values) > LARGEST_FLOAT32):
-        return values
-    return values.astype(np.float32)
+    return values if may_be_large and _largest(values) > LARGEST_FLOAT32 else values.astype(np.float32)
+
+
+def type_of_scaled(
+    stored: np.dtype[Any], slope: float, intercept: float, limits: tuple[int, int] | None = None
+) -> np.dtype[Any]:
+    """The type of scaled samples, by the limits of the stored ones, of integers, or else by those of their type."""
+    if stored.kind in "iu" and slope.is_integer() and intercept.is_integer():
+        limits = limits or (int(np.iinfo(stored).min), int(np.iinfo(stored).max))
+        ends = [end * int(slope) + int(intercept) for end in limits]
+        for dtype in (np.int16, np.int32):
+            if np.iinfo(dtype).min <= min(ends) and max(ends) <= np.iinfo(dtype).max:
+                return np.dtype(dtype)
+    return np.dtype(np.float64 if stored.itemsize > 4 else np.float32)
+
+
+def in_type(stored: NDArray[Any], slope: float, intercept: float, dtype: np.dtype[Any]) -> NDArray[Any]:
+    """Scaled samples in a type."""
+    if dtype.kind == "i":
+        return (stored.astype(np.int64) * int(slope) + int(intercept)).astype(dtype)
+    return (stored * np.float64(slope) + intercept).astype(dtype, copy=False)
 
 
 def _largest(values: NDArray[np.float64]) -> float:

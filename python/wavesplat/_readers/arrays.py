@@ -14,47 +14,51 @@ from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.npz import check_members, npy_header
 from wavesplat._files.reading import reading
-from wavesplat._model.facts import Facts, quantity_of
-from wavesplat._readers.components import (
-    N_COMPONENTS,
-    check_vectors,
-    component_of,
-    has_vectors,
-    quantity_of_array,
-)
+from wavesplat._model.facts import quantity_of
+from wavesplat._model.lazy_array import SlicedArray, along_zyx
+from wavesplat._model.lazy_checks import DEFAULT_SIDE
+from wavesplat._readers.components import N_COMPONENTS, has_vectors
 from wavesplat._readers.file_contents import MAX_BYTES, Contents, FileArray, ranges_of
-from wavesplat._readers.request import (
-    Grid,
-    Request,
-    index_unnamed_axes,
-    n_times_of,
-    no_such_name,
-    one_volume_of,
-    several,
-    unwarned,
-)
+from wavesplat._readers.levels import Levels, one_volume, stored_samples
+from wavesplat._readers.request import Request, no_such_name, several, unwarned
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["contents", "read", "stored_member"]
+__all__ = ["contents", "levels"]
 
 #: A member of a zip file begins with a header of 30 bytes, whose lengths of name and extra field are at byte 26; these
 #: follow it (PKWARE's APPNOTE.TXT, 4.3.7).
 MEMBER_HEADER_BYTES, NAME_LENGTH_AT = 30, 26
 
 
-def read(request: Request) -> Grid:
-    """The array in a .npy or .npz file."""
+@unwarned("numpy")
+def levels(request: Request) -> Levels:
+    """The array in a .npy or .npz file; of an archive it is read at once, by which its checksum is compared."""
     path = request.file
-    with reading("a NumPy file", path), unwarned("numpy"):
-        name, array = _from_npz(request) if zipfile.is_zipfile(path) else (None, _from_npy(request))
-        if has_vectors(array.shape, array.dtype, request):
-            samples, guesses = component_of(array, request, name or path.name)
-            quantity = quantity_of_array(name or "", N_COMPONENTS, array.dtype, request)
-            return Grid(np.array(samples), np.eye(4), Facts(quantity=quantity, guesses=guesses))
-        check_vectors(request, name or path.name)
-        samples = array[index_unnamed_axes(array.shape, request)]
-        samples = np.array(samples) if isinstance(array, np.memmap) else samples
-        return Grid(samples, np.eye(4), Facts(quantity=quantity_of(name), n_times=n_times_of(array.shape, request)))
+    name, array, start, n_bytes = None, None, 0, None
+    if not zipfile.is_zipfile(path):
+        if request.dataset is not None:
+            raise ArgumentError(f"dataset= has no meaning for a .npy file, which holds one array; leave it out: {path}")
+    elif request.memory is None:
+        name, array = _from_npz(request)
+    else:
+        name, start, n_bytes = _stored_member(request)
+    if array is not None:
+        found = one_volume(array.shape, array.dtype, request, name or path.name)
+        zyx, sides = along_zyx(array.shape, found.order, 1), [DEFAULT_SIDE] * 3
+        how: dict[str, Any] = {"order": found.order, "picked": found.picked, "convert": found.convert}
+        held = SlicedArray(array, name=path.name, chunks=sides, shape=zyx, dtype=found.made, **how)
+        return Levels([held], [np.eye(4)], found.facts(quantity_of(name)))
+    with BoundedFile(path) as file:
+        file.seek(start)
+        shape, is_fortran, dtype = npy_header(file)
+        offset = file.tell()
+    if n_bytes is not None:
+        size_checks.check_stored(shape, dtype, max(start + n_bytes - offset, 0), path, held=(1,))
+    found = one_volume(shape, dtype, request, name or path.name)
+    if is_fortran:  # the first axis is the fastest
+        shape, found = shape[::-1], found.turned()
+    stored = stored_samples(path, offset, shape, found)
+    return Levels([stored], [np.eye(4)], found.facts(quantity_of(name)))
 
 
 def contents(request: Request) -> Contents | None:
@@ -65,7 +69,7 @@ def contents(request: Request) -> Contents | None:
         found = []
         for name in _names(archive):
             with archive.open(f"{name}.npy") as member:
-                shape, dtype = npy_header(member)
+                shape, _, dtype = npy_header(member)
             looked_at = dtype.kind in "biuf" and size_checks.n_bytes(shape, dtype) <= MAX_BYTES
             array = _from_npz(replace(request, dataset=name))[1] if looked_at else None
             are_vectors = has_vectors(shape, dtype, replace(request, channel=None, time=None))
@@ -74,20 +78,6 @@ def contents(request: Request) -> Contents | None:
             own = shape[:-1] if are_vectors else shape
             found.append(FileArray(name, str(dtype.newbyteorder("=")), own, n, None, ranges))
         return Contents(tuple(found))
-
-
-def _from_npy(request: Request) -> NDArray[Any]:
-    path = request.file
-    if request.dataset is not None:
-        raise ArgumentError(f"dataset= has no meaning for a .npy file, which holds one array; leave it out: {path}")
-    with BoundedFile(path) as file:
-        shape, dtype = npy_header(file)
-        size_checks.check_stored(
-            shape, dtype, path.stat().st_size - file.tell(), path, held=one_volume_of(shape, request)
-        )
-    # Mapped, so that of several time points or channels only the one that is asked for is read.
-    array: NDArray[Any] = np.load(path, "r" if len(shape) > 3 else None, allow_pickle=False)
-    return array
 
 
 def _from_npz(request: Request) -> tuple[str, NDArray[Any]]:
@@ -100,14 +90,8 @@ def _from_npz(request: Request) -> tuple[str, NDArray[Any]]:
     return name, array
 
 
-def stored_member(request: Request) -> tuple[str, int, int]:
-    """Name of an array in a .npz file that is not compressed, where its .npy file begins in it, and its bytes.
-
-    Raises
-    ------
-    FileError
-        If the array is compressed.
-    """
+def _stored_member(request: Request) -> tuple[str, int, int]:
+    """Name of an array in a .npz file, where its .npy file begins in it, and its bytes; it must not be compressed."""
     path = request.file
     with zipfile.ZipFile(path) as archive:
         name = _chosen(_names(archive), request)

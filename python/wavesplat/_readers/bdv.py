@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.named_files import check_named_file, check_within
-from wavesplat._files.reading import reading
 from wavesplat._model import units
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._model.hdf5_files import read_hdf5
@@ -27,21 +26,19 @@ from wavesplat._readers.hdf5_levels import (
     StoredImage,
     StoredLevel,
     checked_dataset,
-    grid_of,
-    lazy_levels_of,
+    levels_of,
     member_at,
     numbered,
 )
-from wavesplat._readers.request import Grid, Request, choose, level_numbers
+from wavesplat._readers.levels import Levels
+from wavesplat._readers.request import Request, choose, level_numbers
 from wavesplat._readers.unsupported_formats import OF_N5
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
     import h5py
 
-    from wavesplat._model.lazy_array import SlicedArray
-
-__all__ = ["described", "opened", "read"]
+__all__ = ["levels"]
 
 #: XML files that are looked into beside samples, at most.
 MAX_BESIDE = 50
@@ -53,14 +50,14 @@ SAME_SCALE = 0.1
 ROUNDING = 1e-4
 
 
-def read(request: Request) -> Grid:
-    """A setup of BigDataViewer's at one time, at the level that is asked for."""
-    with reading("BigDataViewer's HDF5 or N5", request.path), opened(request) as (samples, data):
-        return samples.grid(described(samples, data, request))
+def levels(request: Request) -> Levels:
+    """A setup of BigDataViewer's at one time."""
+    with _opened(request) as (samples, data):
+        return samples.levels(_described(samples, data, request))
 
 
 @contextmanager
-def opened(request: Request) -> Iterator[tuple[Samples, SpimData | None]]:
+def _opened(request: Request) -> Iterator[tuple[Samples, SpimData | None]]:
     """The samples of a request, which names them or their XML, and the content of the XML; None where there is none."""
     path = request.file
     if path.suffix.lower() != ".xml":
@@ -100,11 +97,8 @@ class Samples(Protocol):
     def is_unsigned(self, setup: int, name: str) -> bool:
         """Whether int16 stands for uint16."""
 
-    def grid(self, image: StoredImage) -> Grid:
-        """The samples of the first of the image's levels."""
-
-    def lazy_levels(self, image: StoredImage) -> list[SlicedArray]:
-        """Arrays of all levels of the image, which are read as they are drawn."""
+    def levels(self, image: StoredImage) -> Levels:
+        """The arrays of all levels of the image."""
 
 
 class Hdf5Samples:
@@ -143,13 +137,9 @@ class Hdf5Samples:
         declared = declared.decode("ascii", "replace") if isinstance(declared, bytes) else str(declared)
         return bool(self._file[name].dtype == np.int16) and declared != "int16"
 
-    def grid(self, image: StoredImage) -> Grid:
-        """The samples of the level that is asked for, else of the finest."""
-        return grid_of(self._file, image, self._request)
-
-    def lazy_levels(self, image: StoredImage) -> list[SlicedArray]:
-        """Arrays of all levels, which are read as they are drawn."""
-        return lazy_levels_of(self._file, image, self._request)
+    def levels(self, image: StoredImage) -> Levels:
+        """The arrays of all levels of the image."""
+        return levels_of(self._file, image, self._request)
 
 
 def _samples_of(data: SpimData, request: Request) -> Path:
@@ -196,7 +186,7 @@ def _beside(path: Path, request: Request) -> SpimData | None:
     return None
 
 
-def described(samples: Samples, data: SpimData | None, request: Request) -> StoredImage:
+def _described(samples: Samples, data: SpimData | None, request: Request) -> StoredImage:
     """Levels, place and facts of the setup and time that are asked for."""
     setups = data.setups if data else tuple(Setup(number) for number in samples.setups())
     times = data.times if data else tuple(samples.times())

@@ -16,14 +16,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wavesplat._files import size_checks
 from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.libraries import library
 from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._readers.hdf5_levels import StoredImage, StoredLevel, numbered
-from wavesplat._readers.request import Grid, Request
+from wavesplat._readers.levels import Levels
+from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
 __all__ = ["N5Samples", "holds_setups"]
@@ -79,31 +78,21 @@ class N5Samples:
         """False: N5 has unsigned types."""
         return False
 
-    def grid(self, image: StoredImage) -> Grid:
-        """The samples of the level that is asked for, else of the finest."""
-        level = image.levels[0]
-        array = _opened(str(self.path), level.dataset)
-        size_checks.check_memory(
-            size_checks.n_bytes(level.shape, np.dtype(array.dtype.numpy_dtype)), self._request.path
-        )
-        return Grid(_read(array), level.world_from_index, image.facts)
+    def levels(self, image: StoredImage) -> Levels:
+        """The arrays of all levels of the image."""
+        return image.levels_by(self._array)
 
-    def lazy_levels(self, image: StoredImage) -> list[SlicedArray]:
-        """Arrays of all levels, which are read as they are drawn."""
-        return [self._lazy(level) for level in image.levels]
-
-    def _lazy(self, level: StoredLevel) -> SlicedArray:
+    def _array(self, level: StoredLevel) -> SlicedArray:
         array = _opened(str(self.path), level.dataset)
-        files = sorted(_files_below(self.path / level.dataset))
         return SlicedArray(
             None,
             name=self._request.name,
             chunks=array.chunk_layout.read_chunk.shape,
             opened=partial(_opened, str(self.path), level.dataset),
-            dtype=_dtype(array),
+            dtype=np.dtype(array.dtype.numpy_dtype),
             shape=level.shape,
             token=f"N5 {self.path} {level.dataset} {level.shape}",
-            files=StoredFiles(files),
+            files=StoredFiles(sorted(_files_below(self.path / level.dataset))),
         )
 
     def _attributes(self, name: str) -> dict[str, Any]:
@@ -130,18 +119,6 @@ def _opened(folder: str, name: str) -> Any:
         return tensorstore.open({"driver": "n5", "kvstore": kvstore}, open=True, read=True).result().T
     except ValueError as error:
         raise FileError(f"damaged: {_first_sentence(error)}; copy or export it again: {folder}/{name}") from error
-
-
-def _dtype(array: Any) -> np.dtype[Any]:
-    dtype: np.dtype[Any] = np.dtype(array.dtype.numpy_dtype)
-    return dtype
-
-
-def _read(array: Any) -> NDArray[Any]:
-    try:
-        return np.asarray(array)
-    except ValueError as error:
-        raise FileError(f"damaged: {_first_sentence(error)}; copy or export it again") from error
 
 
 def _first_sentence(error: Exception) -> str:

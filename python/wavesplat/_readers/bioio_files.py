@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import size_checks
 from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.libraries import how_to_install
 from wavesplat._files.reading import reading
@@ -29,11 +28,12 @@ from wavesplat._model import units
 from wavesplat._model.facts import COLORS, Channel, Facts
 from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._readers.czi_channels import CziChannel, czi_channels
-from wavesplat._readers.request import Grid, Request, choose, quiet, several
+from wavesplat._readers.levels import Levels
+from wavesplat._readers.request import Request, choose, quiet, several
 from wavesplat._readers.tiff_facts import guesses_of_steps
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["SUFFIXES", "lazy_array_of", "read"]
+__all__ = ["SUFFIXES", "levels"]
 
 
 class Vendor(NamedTuple):
@@ -79,22 +79,13 @@ class _Described:
     facts: Facts
 
 
-def read(request: Request) -> Grid:
+def levels(request: Request) -> Levels:
     """A channel of a vendor's file, at one time."""
-    with _opened(request) as image:
-        found = _described(image, request)
-        size_checks.check_memory(size_checks.n_bytes(found.array.shape, found.array.dtype), request.path)
-        samples = np.asarray(found.array.compute(scheduler="threads"))
-        return Grid(samples, np.diag([*found.steps, 1.0]), found.facts)
-
-
-def lazy_array_of(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
-    """A channel of a vendor's file, which is read as it is drawn, its affine, and facts."""
     with _opened(request) as image:
         found = _described(image, request)
         z, y, x = (int(n) for n in found.array.shape)
         array = SlicedArray(
-            None,
+            _Samples(request, found.array),
             name=request.name,
             chunks=[max(sizes) for sizes in found.array.chunks],
             opened=partial(_Samples, replace(request, kept=None)),
@@ -104,7 +95,7 @@ def lazy_array_of(request: Request) -> tuple[SlicedArray, NDArray[np.float64], F
             token=f"bioio {request.file} {request.series} {request.time} {request.channel}",
             files=StoredFiles([request.file]),
         )
-        return array, np.diag([*found.steps, 1.0]), found.facts
+        return Levels([array], [np.diag([*found.steps, 1.0])], found.facts, quietly=partial(_quietly, request))
 
 
 class _Samples:
@@ -113,17 +104,31 @@ class _Samples:
     Readers open the file in `compute` of their own kind of Dask array, so parts are not computed together.
     """
 
-    def __init__(self, request: Request) -> None:
-        with _opened(request) as image:
-            self._array = _described(image, request).array
+    def __init__(self, request: Request, array: Any = None) -> None:
+        if array is None:
+            with _opened(request) as image:
+                array = _described(image, request).array
+        self._array = array
 
     def __getitem__(self, index: tuple[slice, slice, slice]) -> NDArray[Any]:
         return np.asarray(self._array[index].compute(scheduler="threads"))
 
 
 @contextmanager
+def _quietly(request: Request) -> Iterator[None]:
+    """Name the file in errors; what libraries warn of and log meanwhile is not shown."""
+    with (
+        reading("a microscope's file", request.path, other_form=OTHER_FORM),
+        quiet(*PACKAGES),
+        warnings.catch_warnings(),
+    ):
+        warnings.simplefilter("ignore")
+        yield
+
+
+@contextmanager
 def _opened(request: Request) -> Iterator[Any]:
-    """The image of a file, at the scene that is asked for; what libraries warn of and log meanwhile is not shown."""
+    """The image of a file, at the scene that is asked for."""
     path = request.file
     suffix = next(suffix for suffix in SUFFIXES if path.name.lower().endswith(suffix))
     try:
@@ -133,12 +138,7 @@ def _opened(request: Request) -> Iterator[Any]:
         raise _not_installed(path, SUFFIXES[suffix]) from None
     if not is_read:
         raise _not_installed(path, SUFFIXES[suffix])
-    with (
-        reading("a microscope's file", request.path, other_form=OTHER_FORM),
-        quiet(*PACKAGES),
-        warnings.catch_warnings(),
-    ):
-        warnings.simplefilter("ignore")
+    with _quietly(request):
         image = _image(bioio, path)
         image.set_scene(_scene(list(image.scenes), request))
         yield image

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,22 +14,25 @@ from wavesplat.errors import ArgumentError
 
 __all__ = [
     "AXES",
+    "LENGTH_NOTE",
     "N_COMPONENTS",
-    "as_channel",
     "check_vectors",
+    "chosen_component",
     "component_of",
     "facts_of_colors",
     "has_vectors",
     "is_length",
+    "length_along",
     "length_of",
-    "named_component",
-    "number_of_component",
     "quantity_of_array",
+    "type_of_length",
 ]
 
 AXES = "xyz"
 #: Components of a vector.
 N_COMPONENTS = 3
+#: Note on vectors of which no component is chosen.
+LENGTH_NOTE = '{!r} holds vectors, of which the length is drawn; or component="x" (--component x)'
 
 
 def is_length(n_components: int, dtype: np.dtype[Any], request: Request) -> bool:
@@ -59,12 +61,17 @@ def component_of(numbers: NDArray[Any], request: Request, name: str) -> tuple[ND
 
     name : the array, in messages.
     """
-    n = numbers.shape[-1]
+    number, guesses = chosen_component(numbers.shape[-1], numbers.dtype, request, name)
+    return (length_along(numbers, axis=-1) if number is None else numbers[..., number]), guesses
+
+
+def chosen_component(n: int, dtype: np.dtype[Any], request: Request, name: str) -> tuple[int | None, tuple[str, ...]]:
+    """The number of the component that is drawn of an array of `n`, None for the length, and sentences about it."""
     wanted = request.component
     if n == 1 and wanted is None:
-        return numbers[..., 0], ()
-    if not _are_vectors(n, numbers.dtype, request):
-        return numbers[..., choose("channel", n, request.channel, request.path)], ()
+        return 0, ()
+    if not _are_vectors(n, dtype, request):
+        return choose("channel", n, request.channel, request.path), ()
     if request.channel is not None:
         raise ArgumentError(
             f"component= and channel= both choose one of several numbers; leave one out: {request.path}"
@@ -75,41 +82,22 @@ def component_of(numbers: NDArray[Any], request: Request, name: str) -> tuple[ND
             f"leave it out: {request.path}"
         )
     if wanted in ("x", "y", "z"):
-        return numbers[..., AXES.index(wanted)], ()
-    guesses = (
-        () if wanted else (f'{name!r} holds vectors, of which the length is drawn; or component="x" (--component x)',)
-    )
-    return length_of([numbers[..., number] for number in range(n)]), guesses
+        return AXES.index(wanted), ()
+    return None, () if wanted else (LENGTH_NOTE.format(name),)
 
 
 def quantity_of_array(name: str, n: int, dtype: np.dtype[Any], request: Request) -> str | None:
     """The name of what is drawn of an array of `n` components, such as "velocity magnitude"."""
     quantity = quantity_of(name)
-    if n == 1 or not _are_vectors(n, dtype, request):
+    if quantity is None or n == 1 or not _are_vectors(n, dtype, request):
         return quantity
-    return named_component(quantity, replace(request, component=request.component or "magnitude"))
-
-
-def named_component(quantity: str | None, request: Request) -> str | None:
-    """The name of the component that is asked for, such as "velocity x"; the quantity itself where none is."""
-    return quantity if quantity is None or request.component is None else f"{quantity} {request.component}"
+    return f"{quantity} {request.component or 'magnitude'}"
 
 
 def check_vectors(request: Request, name: str) -> None:
     """Raise an `ArgumentError` where a component is asked for of an array that turned out to hold no vectors."""
     if request.component is not None:
         raise ArgumentError(f"component={request.component!r}, but {name!r} holds no vectors: {request.path}")
-
-
-def number_of_component(n: int, dtype: np.dtype[Any], request: Request, name: str) -> int:
-    """The number of the component that is drawn of an array of `n`, for samples that are read in parts."""
-    if request.component in (None, "magnitude") and n > 1 and _are_vectors(n, dtype, request):
-        raise ArgumentError(
-            f'{name!r} holds vectors, whose length is not made of parts; choose one component, as component="x" '
-            f"(--component x), or leave out memory=: {request.path}"
-        )
-    numbers = np.arange(n)[None]
-    return int(component_of(numbers.astype(dtype), request, name)[0][0])
 
 
 def has_vectors(shape: Sequence[int], dtype: np.dtype[Any], request: Request) -> bool:
@@ -121,25 +109,22 @@ def has_vectors(shape: Sequence[int], dtype: np.dtype[Any], request: Request) ->
     return shape[-1] == N_COMPONENTS and min(shape[:3]) > N_COMPONENTS and dtype.kind == "f"
 
 
-def as_channel(shape: Sequence[int], dtype: np.dtype[Any], request: Request) -> Request:
-    """The request with a component as the number of a channel, for samples that are read in parts."""
-    if not has_vectors(shape, dtype, request):
-        return request
-    if request.component in (None, "magnitude"):
-        raise ArgumentError(
-            "the array holds vectors, whose length is not made of parts; choose one component, as "
-            f'component="x" (--component x), or leave out memory=: {request.path}'
-        )
-    return replace(request, channel=AXES.index(request.component), component=None)
+def length_along(numbers: NDArray[Any], axis: int) -> NDArray[Any]:
+    """The length of vectors whose components lie along an axis."""
+    return length_of(list(np.moveaxis(numbers, axis, 0)))
+
+
+def type_of_length(dtype: np.dtype[Any]) -> np.dtype[Any]:
+    """Type of the length of vectors: float64 for components of 32-bit integers or wider ones, else float32."""
+    return np.dtype(np.float64 if dtype.itemsize > 4 or (dtype.kind != "f" and dtype.itemsize == 4) else np.float32)
 
 
 def length_of(components: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """The length of vectors: float64 of components of 32-bit integers or wider ones, else float32.
+    """The length of vectors, as `type_of_length`.
 
     Infinite where no number is large enough, as of the largest float that marks missing vectors.
     """
-    wide = components[0].dtype.itemsize > 4 or (components[0].dtype.kind != "f" and components[0].dtype.itemsize == 4)
-    dtype = np.float64 if wide else np.float32
+    dtype = type_of_length(components[0].dtype)
     total = np.zeros(components[0].shape, dtype)
     with np.errstate(over="ignore"):
         for component in components:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,12 +16,14 @@ from wavesplat._files import size_checks
 from wavesplat._files.named_files import refused
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts, quantity_of, value_unit_of
-from wavesplat._model.hdf5_files import check_nesting, read_hdf5
+from wavesplat._model.hdf5_files import check_nesting, files_of_dataset, open_hdf5, read_hdf5
 from wavesplat._model.hdf5_place import Place, place_of
+from wavesplat._model.lazy_array import SlicedArray, along_zyx
 from wavesplat._readers import hdf5_vectors, openpmd_records, theta_modes
-from wavesplat._readers.components import AXES, check_vectors, has_vectors, length_of
+from wavesplat._readers.components import AXES, has_vectors
 from wavesplat._readers.file_contents import Contents, FileArray, are_small, ranges_of
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes, listed, n_times_of, no_such_name, several
+from wavesplat._readers.levels import Levels, one_volume
+from wavesplat._readers.request import Grid, Request, listed, no_such_name, several
 from wavesplat._readers.unsupported_formats import BY_YT, foreign_groups
 from wavesplat._readers.vtk_arrays import other_grid
 from wavesplat.errors import ArgumentError, FileError
@@ -27,17 +31,7 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     import h5py
 
-__all__ = [
-    "check_places",
-    "check_way",
-    "chosen_dataset",
-    "contents",
-    "facts_of",
-    "kind_of",
-    "named",
-    "place_of",
-    "read",
-]
+__all__ = ["check_places", "check_stored", "check_way", "contents", "kind_of", "levels"]
 
 #: Groups and links on the path to a dataset, at most.
 MAX_STEPS = 100
@@ -51,44 +45,68 @@ ENZO = re.compile(r"Grid\d{8}/")
 SETUP, TIME_POINT = re.compile(r"s\d{2,}"), re.compile(r"t\d{5,}")
 
 
-def read(request: Request) -> Grid:
-    """The samples of a dataset in an HDF5 file, or of a record of openPMD with several."""
-    with reading("HDF5", request.path):
-        with read_hdf5(request.file) as file:
-            request = openpmd_records.with_record(file, request)
-            if request.resample is not None:
-                return theta_modes.read(file, request, lambda own: _modes_dataset(file, own))
-            components = hdf5_vectors.components_of_record(file, request)
-        return hdf5_vectors.length_of_record(components, request, _read) if components else _read(request)
-
-
-def _read(request: Request) -> Grid:
+def levels(request: Request) -> Levels | Grid:
+    """A dataset in an HDF5 file, or a record of openPMD with several."""
     with read_hdf5(request.file) as file:
-        dataset = chosen_dataset(file, request)
-        if are_vectors := has_vectors(dataset.shape, dataset.dtype, request):
-            of_axis = None if request.component == "magnitude" else request.component
-            request = replace(request, channel="xyz".index(of_axis or "x"))
-        else:
-            check_vectors(request, dataset.name)
-        index = index_unnamed_axes(dataset.shape, request)
-        shape = sorted(dataset.shape)[-3:] if len(index) > 1 else dataset.shape
-        size_checks.check_memory(size_checks.n_bytes(shape, dataset.dtype), request.path)
-        if not (dataset.external or dataset.is_virtual):
-            # Chunks that were never written are not stored, and read as zeros; the loose ratio allows for a few.
-            stored = max(dataset.id.get_storage_size(), request.file.stat().st_size)
-            size_checks.check_stored(shape, dataset.dtype, stored, request.path, ratio=size_checks.ANY_RATIO)
+        request = openpmd_records.with_record(file, request)
+        if request.resample is not None:
+            if request.memory is not None:
+                raise ArgumentError(f"resample= reads all samples; leave out memory=: {request.path}")
+            return theta_modes.read(file, request, lambda own: _modes_dataset(file, own))
+        components = hdf5_vectors.components_of_record(file, request)
+    if not components:
+        return _level(request)
+    if request.component in components:
+        return _level(hdf5_vectors.component_of_record(components, request))
+    if request.memory is not None:
+        raise ArgumentError(
+            f'{request.dataset!r} holds vectors; with memory= choose one component, as component="x" '
+            f"(--component x), or leave out memory=: {request.path}"
+        )
+    return hdf5_vectors.length_of_record(components, request, lambda own: _level(own).whole(own))
+
+
+def _level(request: Request) -> Levels:
+    with read_hdf5(request.file) as file:
+        dataset = _chosen_dataset(file, request)
+        shape, dtype = dataset.shape, dataset.dtype
+        found = one_volume(shape, dtype, request, dataset.name.lstrip("/"))
+        check_stored(dataset, [shape[axis] for axis in found.order], request.file, request)
         place = place_of(dataset)
-        samples = dataset[index]
-        facts = replace(facts_of(file, place), n_times=n_times_of(dataset.shape, request))
-        facts = replace(facts, **named(dataset, (of_axis or "magnitude") if are_vectors else None))
-        if are_vectors and of_axis is None:
-            samples = length_of([samples, dataset[..., 1], dataset[..., 2]])
-            if request.component is None:
-                facts = replace(
-                    facts, guesses=(*facts.guesses, hdf5_vectors.LENGTH_NOTE.format(dataset.name.lstrip("/")))
-                )
-        samples = np.transpose(samples, place.zyx) if place.zyx != (0, 1, 2) else samples
-        return Grid(samples, place.world_from_index, facts)
+        zyx = tuple(found.order[k] for k in place.zyx) if len(found.order) == 3 else found.order
+        chunks = dataset.chunks or [1] * (len(shape) - 2) + list(shape[-2:])
+        array = SlicedArray(
+            None,
+            name=request.name,
+            chunks=along_zyx(chunks, zyx, 1),
+            order=zyx,
+            picked=found.picked,
+            opened=partial(open_hdf5, str(request.file), str(dataset.name)),
+            convert=found.convert,
+            dtype=found.made,
+            shape=along_zyx(shape, zyx, 1),
+            n_readers=1,
+            token=f"HDF5 {request.file} {dataset.name}",
+            files=files_of_dataset(dataset),
+            reads_parts=dataset.chunks is None,
+        )
+        facts = _facts_of(file, place)
+        facts = replace(facts, n_times=found.n_times, guesses=(*facts.guesses, *found.guesses))
+        return Levels([array], [place.world_from_index], replace(facts, **_named(dataset, found.component)))
+
+
+def check_stored(dataset: h5py.Dataset, shape: Sequence[int], file: Path, request: Request) -> None:
+    """Raise an error if samples of this shape cannot be in the file of a dataset, or must be in memory and cannot.
+
+    Chunks that were never written are not stored, and read as zeros; the loose ratio allows for a few.
+    """
+    if dataset.external or dataset.is_virtual:
+        return
+    stored, ratio = max(dataset.id.get_storage_size(), file.stat().st_size), size_checks.ANY_RATIO
+    n_bytes = size_checks.n_bytes(shape, dataset.dtype)
+    if request.memory is None and n_bytes > stored * ratio:
+        size_checks.check_memory(n_bytes, request.path)
+    size_checks.check_stored(shape, dataset.dtype, stored, request.path, ratio=ratio, held=(1,))
 
 
 def contents(request: Request) -> Contents:
@@ -121,7 +139,7 @@ def _described_array(
     return FileArray(name, str(first.dtype.newbyteorder("=")), shape, n, None, own)
 
 
-def named(dataset: h5py.Dataset, component: str | None = None) -> dict[str, Any]:
+def _named(dataset: h5py.Dataset, component: str | None = None) -> dict[str, Any]:
     """The name of a dataset's values, and their unit, where an attribute says it, as facts.
 
     component : what is drawn of vectors. A component of a record of openPMD, such as "data/1/meshes/B/x", is named
@@ -138,7 +156,7 @@ def named(dataset: h5py.Dataset, component: str | None = None) -> dict[str, Any]
     return {"quantity": quantity, "value_unit": value_unit_of(unit)}
 
 
-def facts_of(file: h5py.File, place: Place) -> Facts:
+def _facts_of(file: h5py.File, place: Place) -> Facts:
     """Facts of a dataset, with a guess where the file's format keeps distances in another place."""
     has_distances = place.facts.unit is not None or not np.array_equal(place.world_from_index, np.eye(4))
     where = None
@@ -164,7 +182,7 @@ def kind_of(path: Path) -> str:
         return "hdf5"  # whatever is wrong is said where it is read
 
 
-def chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
+def _chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     """The dataset that is asked for, or the only one; a `FileError` if its samples lie in other files."""
     _check_kind(file, request)
     dataset = _dataset(file, request)

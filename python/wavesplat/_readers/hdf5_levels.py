@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import size_checks
 from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5
 from wavesplat._model.lazy_array import SlicedArray
-from wavesplat._readers.hdf5 import check_places, check_way
-from wavesplat._readers.request import Grid, Request
+from wavesplat._readers.hdf5 import check_places, check_stored, check_way
+from wavesplat._readers.levels import Levels
+from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
@@ -27,10 +27,8 @@ if TYPE_CHECKING:
 __all__ = [
     "StoredImage",
     "StoredLevel",
-    "as_unsigned",
     "checked_dataset",
-    "grid_of",
-    "lazy_levels_of",
+    "levels_of",
     "member_at",
     "numbered",
 ]
@@ -53,6 +51,11 @@ class StoredImage:
     levels: Sequence[StoredLevel]
     facts: Facts
     is_unsigned: bool = False
+
+    def levels_by(self, array_of: Callable[[StoredLevel], SlicedArray]) -> Levels:
+        """The levels with their arrays."""
+        matrices = [level.world_from_index for level in self.levels]
+        return Levels([array_of(level) for level in self.levels], matrices, self.facts)
 
 
 def member_at(file: h5py.File, name: str, request: Request) -> Any:
@@ -114,32 +117,20 @@ def _check_filters(dataset: h5py.Dataset, request: Request) -> None:
         )
 
 
-def grid_of(file: h5py.File, image: StoredImage, request: Request) -> Grid:
-    """The samples of the level that is asked for, else of the finest."""
-    level = image.levels[0]
+def levels_of(file: h5py.File, image: StoredImage, request: Request) -> Levels:
+    """All levels of an image."""
+    return image.levels_by(lambda level: _array(file, image, level, request))
+
+
+def _array(file: h5py.File, image: StoredImage, level: StoredLevel, request: Request) -> SlicedArray:
     dataset = file[level.dataset]
-    size_checks.check_memory(size_checks.n_bytes(level.shape, dataset.dtype), request.path)
-    _check_stored(dataset, level, image.file, request, held=level.shape)
-    z, y, x = level.shape
-    samples = dataset[:z, :y, :x]
-    return Grid(as_unsigned(samples) if image.is_unsigned else samples, level.world_from_index, image.facts)
-
-
-def lazy_levels_of(file: h5py.File, image: StoredImage, request: Request) -> list[SlicedArray]:
-    """Arrays of all levels, which are read as they are drawn."""
-    return [_lazy(file, image, level, request) for level in image.levels]
-
-
-def _lazy(file: h5py.File, image: StoredImage, level: StoredLevel, request: Request) -> SlicedArray:
-    dataset = file[level.dataset]
-    _check_stored(dataset, level, image.file, request, held=(1,))
-    convert: Callable[[NDArray[Any]], NDArray[Any]] | None = as_unsigned if image.is_unsigned else None
+    check_stored(dataset, level.shape, image.file, request)
     return SlicedArray(
         None,
         name=request.name,
         chunks=dataset.chunks or (1, *dataset.shape[1:]),
         opened=partial(open_hdf5, str(image.file), level.dataset),
-        convert=convert,
+        convert=_as_unsigned if image.is_unsigned else None,
         dtype=np.dtype(np.uint16) if image.is_unsigned else dataset.dtype,
         shape=level.shape,
         n_readers=1,
@@ -148,16 +139,6 @@ def _lazy(file: h5py.File, image: StoredImage, level: StoredLevel, request: Requ
     )
 
 
-def _check_stored(
-    dataset: h5py.Dataset, level: StoredLevel, path: Path, request: Request, *, held: Sequence[int]
-) -> None:
-    if dataset.external or dataset.is_virtual:
-        return
-    stored = max(dataset.id.get_storage_size(), path.stat().st_size)
-    ratio = size_checks.ANY_RATIO
-    size_checks.check_stored(level.shape, dataset.dtype, stored, request.path, ratio=ratio, held=held)
-
-
-def as_unsigned(samples: NDArray[Any]) -> NDArray[np.uint16]:
+def _as_unsigned(samples: NDArray[Any]) -> NDArray[np.uint16]:
     """The samples with the bits of int16 taken for uint16."""
     return samples.astype(np.int16, copy=False).view(np.uint16)

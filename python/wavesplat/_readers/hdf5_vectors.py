@@ -13,7 +13,7 @@ import numpy as np
 
 from wavesplat._model.facts import quantity_of
 from wavesplat._readers import theta_modes
-from wavesplat._readers.components import AXES, length_of
+from wavesplat._readers.components import AXES, LENGTH_NOTE, length_of
 from wavesplat._readers.openpmd_records import constant_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import ArgumentError, FileError
@@ -22,15 +22,11 @@ if TYPE_CHECKING:
     import h5py
 
 __all__ = [
-    "LENGTH_NOTE",
     "check_geometry",
-    "check_varies",
+    "component_of_record",
     "components_of_record",
     "length_of_record",
 ]
-
-#: Openings of a sentence about vectors of which no component is chosen.
-LENGTH_NOTE = '{!r} holds vectors, of which the length is drawn; or component="x" (--component x)'
 
 
 def components_of_record(file: h5py.File, request: Request) -> dict[str, str | float]:
@@ -55,21 +51,19 @@ def components_of_record(file: h5py.File, request: Request) -> dict[str, str | f
     return found if len(found) > 1 else {}
 
 
-def check_varies(component: str | float | None, request: Request) -> None:
-    """Raise a `FileError` for a component of openPMD that is the same everywhere."""
+def component_of_record(components: dict[str, str | float], request: Request) -> Request:
+    """The request of the dataset of a component; a `FileError` for one that is the same everywhere."""
+    component = components[request.component or ""]
     if isinstance(component, float):
         raise FileError(
             f"component {request.component} of {request.dataset!r} is {component:g} everywhere, so nothing can be seen "
             f"of it; choose another: {request.path}"
         )
+    return replace(request, dataset=component, component=None)
 
 
 def length_of_record(components: dict[str, str | float], request: Request, read: Callable[[Request], Grid]) -> Grid:
-    """The component of a record that is asked for, or the length of its vectors; `read` reads a dataset."""
-    if request.component in components:
-        name = components[request.component]
-        check_varies(name, request)
-        return read(replace(request, dataset=str(name), component=None))
+    """The length of the vectors of a record; `read` reads a dataset."""
     if request.component not in (None, "magnitude"):
         raise ArgumentError(
             f"component={request.component!r}, but {request.dataset!r} has {', '.join(components)}: {request.path}"

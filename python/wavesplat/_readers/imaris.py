@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.reading import reading
 from wavesplat._model import units
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._model.hdf5_files import read_hdf5
@@ -23,29 +22,30 @@ from wavesplat._readers.hdf5_levels import (
     StoredImage,
     StoredLevel,
     checked_dataset,
-    grid_of,
+    levels_of,
     member_at,
     numbered,
 )
-from wavesplat._readers.request import Grid, Request, choose, level_numbers, window_of
+from wavesplat._readers.levels import Levels
+from wavesplat._readers.request import Request, choose, level_numbers, window_of
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["described", "read"]
+__all__ = ["levels"]
 
 #: Names that Imaris writes where a channel has none.
 UNNAMED = {"", "(name not specified)"}
 
 
-def read(request: Request) -> Grid:
-    """A channel of an Imaris file at one time, at the level that is asked for."""
-    with reading("an Imaris file", request.path), read_hdf5(request.file) as file:
-        return grid_of(file, described(file, request), request)
+def levels(request: Request) -> Levels:
+    """A channel of an Imaris file at one time."""
+    with read_hdf5(request.file) as file:
+        return levels_of(file, _described(file, request), request)
 
 
-def described(file: h5py.File, request: Request) -> StoredImage:
+def _described(file: h5py.File, request: Request) -> StoredImage:
     """Levels, place and facts of the channel and time that are asked for."""
     levels = numbered(member_at(file, "DataSet", request), "ResolutionLevel")
     times = numbered(member_at(file, "DataSet/ResolutionLevel 0", request), "TimePoint")

@@ -29,6 +29,7 @@ from wavesplat._model.labelled_array import in_order
 from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._readers import single_planes
 from wavesplat._readers.file_contents import Contents, FileArray, are_small, ranges_of
+from wavesplat._readers.levels import Levels
 from wavesplat._readers.netcdf_axes import evenly, picked_axes, variable_text
 from wavesplat._readers.request import Grid, Request, no_such_name, several, unwarned
 from wavesplat.errors import ArgumentError, FileError
@@ -36,7 +37,7 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["contents", "is_netcdf", "lazy_samples", "read"]
+__all__ = ["contents", "is_netcdf", "levels"]
 
 #: The extra that has the libraries.
 EXTRA = "netcdf"
@@ -67,14 +68,39 @@ class _Variable:
     name: str
 
 
-def read(request: Request) -> Grid:
-    """The samples of a variable in a netCDF file."""
-    with reading("netCDF", request.path), _quietly(), _opened(request.file, request) as datasets:
+def levels(request: Request) -> Levels | Grid:
+    """A variable in a netCDF file; one on a grid that is not even is read at once, by `resample`."""
+    if None not in (request.resample, request.memory):
+        raise ArgumentError(
+            f"resample= reads all samples; leave out memory=, or write a file with even coordinates: {request.path}"
+        )
+    with _quietly(), _opened(request.file, request) as datasets:
         variable = _chosen(datasets, request)
-        size_checks.check_memory(size_checks.n_bytes(variable.array.shape, variable.array.dtype), request.path)
-        _check_stored(variable, request)
-        samples = _without_unwritten(np.asarray(variable.array), variable.array.encoding)
-        return Grid(samples, variable.world_from_index, variable.facts)
+        shape, dtype = variable.array.shape, variable.array.dtype
+        # Refuse a header that promises more samples than the file can hold.
+        stored, ratio = request.file.stat().st_size, size_checks.ANY_RATIO
+        size_checks.check_stored(shape, np.dtype("u1"), stored, request.path, ratio=ratio, held=(1,))
+        if request.resample is not None:
+            size_checks.check_memory(size_checks.n_bytes(shape, dtype), request.path)
+            samples = _without_unwritten(np.asarray(variable.array), variable.array.encoding)
+            return Grid(samples, variable.world_from_index, variable.facts)
+        group, _, name = variable.name.rpartition("/")
+        sizes = datasets[group][name].encoding.get("chunksizes")
+        sizes = sizes or [1] * (len(variable.picked) - 2) + list(shape[-2:])
+        array = SlicedArray(
+            None,
+            name=request.name,
+            chunks=[sizes[axis] for axis in variable.order],
+            order=variable.order,
+            picked=variable.picked,
+            opened=partial(_Stored, request, variable.name),
+            dtype=dtype,
+            shape=(shape[0], shape[1], shape[2]),
+            n_readers=1,
+            token=f"netCDF {request.file} {variable.name}",
+            files=StoredFiles([request.file]),
+        )
+        return Levels([array], [variable.world_from_index], variable.facts, quietly=_quietly)
 
 
 def contents(request: Request) -> Contents:
@@ -99,34 +125,6 @@ class _Unpacked:
 
     def __getitem__(self, index: Any) -> NDArray[Any]:
         return _without_unwritten(np.asarray(self._variable[index]), self._variable.encoding)
-
-
-def lazy_samples(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
-    """A variable whose samples are read while they are drawn, its affine from index to world, and its facts."""
-    if request.resample is not None:
-        raise ArgumentError(
-            f"resample= reads all samples; leave out memory=, or write a file with even coordinates: {request.path}"
-        )
-    with _quietly(), _opened(request.file, request) as datasets:
-        variable = _chosen(datasets, request)
-        _check_stored(variable, request)
-        shape, stored = variable.array.shape, datasets[variable.name.rpartition("/")[0]]
-        encoding = stored[variable.name.rpartition("/")[2]].encoding
-        sizes = encoding.get("chunksizes") or [1] * (len(variable.picked) - 2) + list(shape[-2:])
-        array = SlicedArray(
-            None,
-            name=request.name,
-            chunks=[sizes[axis] for axis in variable.order],
-            order=variable.order,
-            picked=variable.picked,
-            opened=partial(_Stored, request, variable.name),
-            dtype=variable.array.dtype,
-            shape=(shape[0], shape[1], shape[2]),
-            n_readers=1,
-            token=f"netCDF {request.file} {variable.name}",
-            files=StoredFiles([request.file]),
-        )
-        return array, variable.world_from_index, variable.facts
 
 
 class _Stored:
@@ -349,11 +347,3 @@ def _with_gaps(array: Any) -> Any:
     """
     array = array.reset_coords(drop=True)
     return array.copy(deep=False, data=_without_unwritten(np.asarray(array), array.encoding))
-
-
-def _check_stored(variable: _Variable, request: Request) -> None:
-    """Refuse a header that promises more samples than the file can hold."""
-    shape = variable.array.shape
-    size_checks.check_stored(
-        shape, np.dtype("u1"), request.file.stat().st_size, request.path, ratio=size_checks.ANY_RATIO, held=(1,)
-    )

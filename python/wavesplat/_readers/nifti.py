@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -20,31 +21,35 @@ from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
 from wavesplat._files.named_files import check_within
-from wavesplat._files.reading import reading
 from wavesplat._model.facts import COLORS, Facts
 from wavesplat._model.nibabel_image import facts_of as facts_of_image
-from wavesplat._model.nibabel_image import scaled, world_from_index
+from wavesplat._model.nibabel_image import in_type, scaled, type_of_scaled, world_from_index
 from wavesplat._readers import nifti_vectors
+from wavesplat._readers.levels import Levels, OneVolume, one_stream, stored_samples
 from wavesplat._readers.request import Grid, Request, choose, quiet, unwarned
-from wavesplat.errors import FileError
+from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from nibabel.spatialimages import SpatialImage
 
-__all__ = ["checked_picks", "facts_of", "first_sample", "loaded", "read", "world_from_index"]
+__all__ = ["levels"]
 
 #: Bytes of the header of NIfTI-1 and NIfTI-2 -> the first byte that samples may have in the same file.
 FIRST_SAMPLES = {348: 352, 540: 544}
+#: Suffixes of files that are one stream of gzip.
+COMPRESSED = (".gz", ".mgz")
 #: Suffixes of images in several files.
 PARTS = re.compile(r"\.(hdr|img)(\.\w+)?$", re.IGNORECASE)
 
 
-def read(request: Request) -> Grid:
+def levels(request: Request) -> Levels | Grid:
     """The volume in a NIfTI file, or one of its time points or channels."""
-    with reading("NIfTI", request.path), quiet("nibabel.global"):
-        image = loaded(request)
+    with quiet("nibabel.global"):
+        image = _loaded(request)
+        if request.memory is not None:
+            return _in_parts(image, request)
         _check_payload(image, request)
-        facts = _with_colors(facts_of(image), image, request)
+        facts = _with_colors(_facts_of(image), image, request)
         vectors = _vectors(image, request)
         if vectors is not None:
             if max(image.shape[4:], default=1) == 1:  # the fourth axis is none of times
@@ -55,7 +60,31 @@ def read(request: Request) -> Grid:
         return Grid(samples.T, world_from_index(image), facts)
 
 
-def first_sample(image: SpatialImage) -> int:
+def _in_parts(image: Any, request: Request) -> Levels:
+    """The samples of an image that is not compressed, which are read as they are drawn."""
+    proxy, path = image.dataobj, _file_of_samples(image, request)
+    if path.name.lower().endswith(COMPRESSED):
+        raise one_stream(request.path, "gzip")
+    if request.component is not None:
+        raise ArgumentError(
+            "component= is for NIfTI that is read as a whole; choose one of several numbers with time= or channel=, "
+            f"or leave out memory=: {request.safe_path}"
+        )
+    if _has_colors(proxy):
+        raise FileError(f"the samples are colours; open the file without memory=: {request.safe_path}")
+    # The first axis is the fastest: in the file it is the last one.
+    n_axes = len(image.shape)
+    picked: list[int | None] = [None, None, None, *_checked_picks(image, request), 0, 0][:n_axes][::-1]
+    slope, intercept, made, convert = float(proxy.slope), float(proxy.inter), proxy.dtype, None
+    if (slope, intercept) != (1.0, 0.0):
+        made = type_of_scaled(proxy.dtype, slope, intercept)
+        convert = partial(in_type, slope=slope, intercept=intercept, dtype=made)
+    volume = OneVolume((n_axes - 3, n_axes - 2, n_axes - 1), picked, proxy.dtype, made, convert)
+    array = stored_samples(path, _first_sample(image), image.shape[::-1], volume)
+    return Levels([array], [world_from_index(image)], _facts_of(image))
+
+
+def _first_sample(image: SpatialImage) -> int:
     """Bytes before the samples in their file.
 
     Of a header that says 0, in one file with its samples, nibabel gives the header itself as samples: they begin where
@@ -67,7 +96,7 @@ def first_sample(image: SpatialImage) -> int:
     return int(header.single_vox_offset) if is_inside else int(proxy.offset)
 
 
-def loaded(request: Request) -> Any:
+def _loaded(request: Request) -> Any:
     """The image of nibabel, its samples still in the file.
 
     Checked first: samples that begin inside the header, which nibabel would report as other faults.
@@ -121,11 +150,11 @@ def _check_first_sample(path: Path) -> None:
             )
 
 
-def facts_of(image: SpatialImage) -> Facts:
+def _facts_of(image: SpatialImage) -> Facts:
     """Facts of the header, with a guess where its first sample is not believed."""
     facts = facts_of_image(image)
     proxy: Any = image.dataobj
-    if (first := first_sample(image)) == proxy.offset:
+    if (first := _first_sample(image)) == proxy.offset:
         return facts
     guess = f"samples from byte {first} on: the file says byte {proxy.offset}, where its header is"
     return replace(facts, guesses=(*facts.guesses, guess))
@@ -139,18 +168,21 @@ def _with_colors(facts: Facts, image: SpatialImage, request: Request) -> Facts:
     return replace(facts, channels=COLORS[: len(names)], channel=COLORS[request.channel or 0])
 
 
+def _file_of_samples(image: Any, request: Request) -> Path:
+    file = image.dataobj.file_like
+    return Path(file) if isinstance(file, str) else request.file
+
+
 def _check_payload(image: SpatialImage, request: Request) -> None:
     if min(image.shape, default=0) < 1:
         raise FileError(f"the header says shape {image.shape} (x, y, z), which holds no samples: {request.path}")
-    proxy: Any = image.dataobj
-    file = proxy.file_like
-    path = request.file if not isinstance(file, str) else type(request.file)(file)
+    proxy, path = cast("Any", image.dataobj), _file_of_samples(image, request)
     one = image.shape[:3]  # of several only the one that is asked for is read
-    if path.name.lower().endswith((".gz", ".mgz")):
-        size_checks.check_gzip(image.shape, proxy.dtype, first_sample(image), path, one)
+    if path.name.lower().endswith(COMPRESSED):
+        size_checks.check_gzip(image.shape, proxy.dtype, _first_sample(image), path, one)
     else:
         size_checks.check_stored(
-            image.shape, proxy.dtype, max(path.stat().st_size - first_sample(image), 0), path, held=one
+            image.shape, proxy.dtype, max(path.stat().st_size - _first_sample(image), 0), path, held=one
         )
 
 
@@ -172,12 +204,12 @@ def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:
     from nibabel.arrayproxy import ArrayProxy
 
     proxy: Any = image.dataobj
-    time, channel, _ = checked_picks(image, request)
+    time, channel = _checked_picks(image, request)
     extra = (time, channel, 0, 0)[: max(len(image.shape) - 3, 0)]
     # Of a file of one volume nothing is read on.
     kept = None if request.time is None else request.kept
     with _stored_bytes(proxy, kept) as file:
-        unscaled = ArrayProxy(file, (image.shape, proxy.dtype, first_sample(image), 1.0, 0.0), mmap=False)
+        unscaled = ArrayProxy(file, (image.shape, proxy.dtype, _first_sample(image), 1.0, 0.0), mmap=False)
         samples: NDArray[Any] = np.asarray(unscaled[(..., *extra)] if extra else unscaled)
     if _has_colors(proxy):
         names = proxy.dtype.names
@@ -185,9 +217,8 @@ def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:
     return samples
 
 
-def checked_picks(image: SpatialImage, request: Request) -> tuple[int, int, str | None]:
-    """Time point and channel that are asked for; and the first name of the samples' parts where they are colours."""
-    proxy: Any = image.dataobj
+def _checked_picks(image: SpatialImage, request: Request) -> tuple[int, int]:
+    """Time point and channel that are asked for."""
     # NIfTI's axes are x, y, z, time, vector component; what follows must have size 1.
     sizes = [*image.shape, *[1] * (7 - len(image.shape))]
     if max(sizes[5:]) > 1:
@@ -195,8 +226,8 @@ def checked_picks(image: SpatialImage, request: Request) -> tuple[int, int, str 
             f"the file is {len(image.shape)}-D, shape {image.shape}; export one volume of it: {request.path}"
         )
     time = choose("time", sizes[3], request.time, request.path)
-    channel = 0 if _has_colors(proxy) else choose("channel", sizes[4], request.channel, request.path)
-    return time, channel, proxy.dtype.names[0] if _has_colors(proxy) else None
+    has_colors = _has_colors(image.dataobj)
+    return time, 0 if has_colors else choose("channel", sizes[4], request.channel, request.path)
 
 
 @contextmanager
@@ -205,7 +236,7 @@ def _stored_bytes(proxy: Any, kept: dict[str, Any] | None) -> Iterator[Any]:
 
     kept : `Request.kept` of a series: the file stays open, so that the next time point is read on from the last one.
     """
-    if not str(proxy.file_like).lower().endswith((".gz", ".mgz")):
+    if not str(proxy.file_like).lower().endswith(COMPRESSED):
         yield proxy.file_like
         return
     if kept is not None and "gzip" in kept:

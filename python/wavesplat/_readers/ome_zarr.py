@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -15,41 +16,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import size_checks
 from wavesplat._files.addresses import is_address
-from wavesplat._files.reading import reading
+from wavesplat._files.file_states import SourceFiles, StoredFiles
 from wavesplat._files.zarr_chunks import check_chunks, expect_chunks
 from wavesplat._files.zarr_place import METADATA_NAMES, ZarrPlace, place_of
-from wavesplat._files.zarr_reading import read_zarr
+from wavesplat._files.zarr_reading import read_zarr, zarr_reader
+from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.facts import Facts, quantity_of
+from wavesplat._model.lazy_array import SlicedArray, along_zyx
 from wavesplat._readers import ome_zarr_layout as layout
 from wavesplat._readers import zarr_metadata
-from wavesplat._readers.components import (
-    N_COMPONENTS,
-    as_channel,
-    check_vectors,
-    component_of,
-    has_vectors,
-    named_component,
-    quantity_of_array,
-)
+from wavesplat._readers.components import check_vectors
+from wavesplat._readers.levels import Levels, OneVolume, one_volume
 from wavesplat._readers.ome_zarr_facts import Axes, channels_of, facts_of
-from wavesplat._readers.request import (
-    PLANES_ARE_TAKEN,
-    Grid,
-    Request,
-    choose,
-    index_unnamed_axes,
-    n_times_of,
-    requested,
-    several,
-    unwarned,
-)
-from wavesplat._readers.single_planes import level_of_plane, note_on_level
+from wavesplat._readers.request import PLANES_ARE_TAKEN, Request, choose, level_numbers, requested, several, unwarned
 from wavesplat._readers.zarr_maps import NamedVolume, named_volume
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
-__all__ = ["ZarrLevel", "check_part", "contents", "label_looks", "labels_of", "levels_of", "mark_of", "read"]
+__all__ = ["contents", "label_looks", "labels_of", "levels"]
 
 #: Images and wells that a message lists, at most.
 N_LISTED = 12
@@ -59,83 +43,93 @@ GUESS_OF_LEVELS = "coarser levels taken for means of blocks, so half a block in:
 
 
 @unwarned("zarr")
-def read(request: Request) -> Grid:
-    """One level of a multi-scale image, or a plain array."""
-    with reading("Zarr", request.safe_path):
-        node, request, notes = _opened_image(request)
-        multiscales = _multiscales(node)
-        if multiscales is not None:
-            check_vectors(request, request.dataset or "the image")
-            grid = _read_level(node, multiscales, request)
-            return grid._replace(facts=_with_guesses(grid.facts, notes))
-        if not hasattr(node, "shape"):
-            raise _no_array(request)
-        _check_level(1, request)
-        zarr_metadata.check_numbers(node, request.safe_path)
-        if (named := _named(node, request)) is not None:
-            samples = _samples(node, [slice(None) if at is None else at for at in named.picked], request)
-            left = sorted(named.order)
-            samples = samples.transpose([left.index(axis) for axis in named.order])
-            return Grid(samples, named.world_from_index, named.facts, _refused_chunks(node, request))
-        name = request.dataset or request.name
-        if are_vectors := has_vectors(node.shape, node.dtype, request):
-            index: tuple[Any, ...] = (...,)
-        else:
-            check_vectors(request, name)
-            index = index_unnamed_axes(node.shape, request)
-        samples, guesses = _samples(node, _all_axes(index, node.ndim), request), tuple[str, ...]()
-        quantity = quantity_of(request.dataset)
-        if are_vectors:
-            samples, guesses = component_of(samples, request, name)
-            quantity = quantity_of_array(request.dataset or "", N_COMPONENTS, node.dtype, request)
-        facts = Facts(quantity=quantity, n_times=n_times_of(node.shape, request), guesses=guesses)
-        return Grid(samples, np.eye(4), facts, _refused_chunks(node, request))
-
-
-@dataclass(frozen=True)
-class ZarrLevel:
-    """The array of a level, its axes that are z, y, x, the index along each of the others, and its affine."""
-
-    array: Any
-    path: str
-    order: tuple[int, int, int]
-    picked: list[int | None]
-    world_from_index: NDArray[np.float64]
-    facts: Facts
-
-
-@unwarned("zarr")
-def levels_of(request: Request) -> list[ZarrLevel]:
-    """The levels of an image, the finest first, or only the one that is asked for; nothing of them is read."""
+def levels(request: Request) -> Levels:
+    """The levels of an image, the finest first, or only the one that is asked for; or a plain array."""
     node, request, notes = _opened_image(request)
     multiscales = _multiscales(node)
     if multiscales is not None:
         check_vectors(request, request.dataset or "the image")
         datasets = multiscales["datasets"]
-        numbers = range(len(datasets)) if request.level is None else [_check_level(len(datasets), request)]
-        levels = [_described_level(node, multiscales, datasets[k], request) for k in numbers]
+        levels = [_level(node, multiscales, datasets[k], request) for k in level_numbers(len(datasets), request)]
         kept = [level for level in levels if level is not None]
         if not kept:
             raise FileError(f"none of the {len(datasets)} levels is there; copy the image again: {request.safe_path}")
-        return [replace(level, facts=_with_guesses(level.facts, notes)) for level in kept]
+        # Guesses about the places of coarser levels belong to the whole volume.
+        guesses = dict.fromkeys((*notes, *(guess for level in kept for guess in level.facts.guesses)))
+        return _made(kept, replace(kept[0].facts, guesses=tuple(guesses)), request)
     if not hasattr(node, "shape"):
         raise _no_array(request)
-    _check_level(1, request)
+    level_numbers(1, request)
+    path = request.dataset or ""
+    zarr_metadata.check_numbers(node, request.safe_path)
     if (named := _named(node, request)) is not None:
-        _check_kind(node, request)
-        _read_later(node)
-        return [ZarrLevel(node, request.dataset or "", named.order, named.picked, named.world_from_index, named.facts)]
-    quantity = named_component(quantity_of(request.dataset), request)
-    request = as_channel(node.shape, node.dtype, request)
-    check_vectors(request, request.dataset or request.name)
-    index = index_unnamed_axes(node.shape, request)
-    _check_kind(node, request)
+        level = _Level(node, path, named.order, named.picked, named.world_from_index, named.facts)
+    else:
+        found = one_volume(node.shape, node.dtype, request, request.dataset or request.name)
+        facts = found.facts(quantity_of(request.dataset))
+        level = _Level(node, path, found.order, found.picked, np.eye(4), facts, found)
     _read_later(node)
-    axes = _all_axes(index, node.ndim)
-    picked = [None if isinstance(part, slice) else part for part in axes]
-    z, y, x = (axis for axis, part in enumerate(picked) if part is None)
-    facts = Facts(quantity=quantity, n_times=n_times_of(node.shape, request))
-    return [ZarrLevel(node, request.dataset or "", (z, y, x), picked, np.eye(4), facts)]
+    return _made([level], level.facts, request)
+
+
+@dataclass(frozen=True)
+class _Level:
+    """The array of a level, its axes that are z, y, x, the index along each of the others, and its affine."""
+
+    array: Any
+    path: str
+    order: tuple[int, ...]
+    picked: Sequence[int | slice | None]
+    world_from_index: NDArray[np.float64]
+    facts: Facts
+    #: How samples are made of an array of vectors.
+    vectors: OneVolume | None = None
+
+
+def _made(levels: Sequence[_Level], facts: Facts, request: Request) -> Levels:
+    return Levels(
+        [_sliced(level, request) for level in levels],
+        [level.world_from_index for level in levels],
+        facts,
+        partial(_refused_chunks, levels[0].array, request),
+        partial(unwarned, "zarr"),
+    )
+
+
+def _sliced(level: _Level, request: Request) -> SlicedArray:
+    array = level.array
+    place = place_of(array)
+    picked = [one if isinstance(one, int) else None for one in level.picked]
+    is_packed = place is not None and place.archive is not None
+    files: SourceFiles | None = StoredFiles([request.file]) if is_packed else chunk_files(array, picked)
+    token = None if files is None else f"Zarr {array.store_path}"
+    if files is None and not isinstance(request.cache, bool):
+        token = _token_of_url(request, level.path)  # only a named folder keeps surveys by a server's marks
+    reader = zarr_reader(array)
+    return SlicedArray(
+        array if reader is None else reader,
+        name=f"{request.name}/{level.path}" if level.path else request.name,
+        # Inner chunks of shards, which zarr reads by their ranges: a shard is no unit of reading.
+        chunks=along_zyx(array.chunks, level.order, 1),
+        order=level.order,
+        picked=level.picked,
+        convert=None if level.vectors is None else level.vectors.convert,
+        dtype=np.dtype(array.dtype) if level.vectors is None else level.vectors.made,
+        shape=along_zyx(array.shape, level.order, 1),
+        n_readers=8 if request.is_url else 4,
+        token=token,
+        files=files,
+        check=partial(_check_part, request.safe_path) if reader is None else None,
+    )
+
+
+def _token_of_url(request: Request, inner: str) -> str | None:
+    """Token with a server's version mark of an array's metadata, by which a change is noticed; None without a mark."""
+    for name in ("zarr.json", ".zarray") if request.is_url else ():
+        key = f"{inner}/{name}".lstrip("/")
+        if mark := _location(request).mark(key):
+            return f"{request.path} {key} {mark}"
+    return None
 
 
 def _named(array: Any, request: Request) -> NamedVolume | None:
@@ -150,12 +144,7 @@ def _named(array: Any, request: Request) -> NamedVolume | None:
     return named_volume(array, group, read, request)
 
 
-def mark_of(request: Request, key: str) -> str | None:
-    """A server's mark of the version of a metadata document; None without one."""
-    return _location(request).mark(key)
-
-
-def check_part(path: object, array: Any, index: Sequence[int | slice]) -> None:
+def _check_part(path: object, array: Any, index: Sequence[int | slice]) -> None:
     """Raise a `FileError` if a chunk of a part is cut short."""
     check_chunks(array, index, path)
 
@@ -198,9 +187,7 @@ def _refused_chunks(array: Any, request: Request) -> tuple[str, ...]:
     return (f"{text}; they count as not there, so their samples have the fill value",)
 
 
-def _described_level(
-    group: Any, multiscales: dict[str, Any], dataset: dict[str, Any], request: Request
-) -> ZarrLevel | None:
+def _level(group: Any, multiscales: dict[str, Any], dataset: dict[str, Any], request: Request) -> _Level | None:
     """The level of a dataset; None where it is not there, as in a partial copy."""
     zarr_metadata.check_codecs(_location(request, group), f"{request.dataset or ''}/{dataset['path']}")
     array = group.get(dataset["path"])
@@ -208,12 +195,7 @@ def _described_level(
         return None
     _check_kind(array, request)
     _read_later(array)
-    place = _placed(group, array, multiscales, dataset, request)
-    picked = [None if isinstance(part, slice) else part for part in place.picked]
-    if len(place.spatial) < 3:
-        raise FileError(f"the image is 2-D, of which no parts are read; leave out memory=: {request.safe_path}")
-    z, y, x = (place.axes.index(name) for name in place.spatial)
-    return ZarrLevel(array, str(dataset["path"]), (z, y, x), picked, place.world_from_index, place.facts)
+    return _placed(group, array, multiscales, dataset, request)
 
 
 def _no_array(request: Request) -> FileError:
@@ -222,12 +204,6 @@ def _no_array(request: Request) -> FileError:
         f"{_listed(request)}: {request.safe_path}"
     )
     return several(message, "dataset", zarr_metadata.names(_location(request)))
-
-
-def _all_axes(index: tuple[Any, ...], n_axes: int) -> list[int | slice]:
-    """The index along each axis, with `...` expanded."""
-    at = index.index(...)
-    return [*index[:at], *[slice(None)] * (n_axes - len(index) + 1), *index[at + 1 :]]
 
 
 def _opened_image(request: Request) -> tuple[Any, Request, tuple[str, ...]]:
@@ -309,10 +285,6 @@ def _place_in(path: str | PathLike[str], dataset: str | None) -> tuple[ZarrPlace
     return _location(requested(path)), (dataset or "").strip("/")
 
 
-def _with_guesses(facts: Facts, guesses: tuple[str, ...]) -> Facts:
-    return replace(facts, guesses=(*guesses, *facts.guesses))
-
-
 def _open(request: Request) -> Any:
     import zarr
 
@@ -375,49 +347,7 @@ def _multiscales(node: Any) -> dict[str, Any] | None:
     return images[0] if images else None
 
 
-def _check_level(n_levels: int, request: Request) -> int:
-    level = request.level or 0
-    if not 0 <= level < n_levels:
-        raise ArgumentError(
-            f"level={level}, but there are {n_levels} levels, 0..{n_levels - 1}; 0 is the finest: {request.safe_path}"
-        )
-    return level
-
-
-def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Grid:
-    datasets = multiscales["datasets"]
-    level = _check_level(len(datasets), request)
-    if "z" not in Axes.of(multiscales).names:
-        shapes = [(1, *sorted(shape)[-2:]) for shape in _shapes(group, datasets, request)]
-        level = level_of_plane(shapes, request) or level
-    dataset = datasets[level]
-    zarr_metadata.check_codecs(_location(request, group), f"{request.dataset or ''}/{dataset['path']}")
-    array = group[dataset["path"]]
-    zarr_metadata.check_numbers(array, request.safe_path)
-    place = _placed(group, array, multiscales, dataset, request)
-    n_samples = [n for n, part in zip(array.shape, place.picked, strict=True) if isinstance(part, slice)]
-    size_checks.check_memory(size_checks.n_bytes(n_samples, array.dtype), request.safe_path)
-    samples = _samples(array, place.picked, request)
-    kept = [name for name in place.axes if name in place.spatial]
-    samples = np.transpose(samples, [kept.index(name) for name in place.spatial])
-    facts = place.facts
-    if level > 0 and request.level is None:
-        facts = _with_guesses(facts, (note_on_level(level, len(datasets)),))
-    return Grid(samples, place.world_from_index, facts, _refused_chunks(array, request))
-
-
-@dataclass(frozen=True)
-class _Place:
-    """Axes of a level's array, the index along each, and the affine of the level."""
-
-    axes: list[str]
-    spatial: list[str]
-    picked: tuple[slice | int, ...]
-    world_from_index: NDArray[np.float64]
-    facts: Facts
-
-
-def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[str, Any], request: Request) -> _Place:
+def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[str, Any], request: Request) -> _Level:
     described = Axes.of(multiscales)
     axes = list(described.names)
     if len(axes) != array.ndim:
@@ -428,7 +358,7 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
     attributes = dict(group.attrs)
     channels = channels_of(attributes.get("ome", attributes))
     names = [channel.name for channel in channels]
-    picked = tuple(_picked(name, n, spatial, request, names) for name, n in zip(axes, array.shape, strict=True))
+    picked = [_picked(name, n, spatial, request, names) for name, n in zip(axes, array.shape, strict=True)]
     matrix = _composed(dataset, multiscales, len(axes), request)
     guesses: list[str] = []
     shift = _shift_of_blocks(dataset, multiscales["datasets"][0], len(axes), request)
@@ -451,7 +381,8 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
     facts = replace(facts, guesses=(*facts.guesses, *guesses))
     if isinstance(attributes.get("ome", attributes).get("image-label"), dict):
         facts = replace(facts, modality="SEG")
-    return _Place(axes, spatial, picked, world_from_index, facts)
+    order = tuple(axes.index(name) for name in spatial)
+    return _Level(array, str(dataset["path"]), order, picked, world_from_index, facts)
 
 
 def _mirrored(matrix: NDArray[np.float64], numbers: list[int]) -> list[int]:
@@ -483,9 +414,9 @@ def _spatial_axes(axes: list[str], request: Request) -> list[str]:
     return ["y", "x"]
 
 
-def _picked(name: str, count: int, spatial: list[str], request: Request, channels: list[str]) -> slice | int:
+def _picked(name: str, count: int, spatial: list[str], request: Request, channels: list[str]) -> int | None:
     if name in spatial:
-        return slice(None)
+        return None
     option = "time" if name.startswith("t") else "channel"
     described = channels if option == "channel" else ()
     return choose(option, count, getattr(request, option), request.safe_path, described=described)

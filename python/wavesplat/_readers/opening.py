@@ -1,13 +1,16 @@
 """Readers: from a file or folder to a `Volume`, orientation and spacing kept, samples in the type of the file.
 
-One module per family of formats, each with `read(request) -> Grid`; this one chooses the module.
+One module per family of formats; this one chooses it. Each has `levels(request)`, whose arrays are read whole or in
+parts, or `read(request) -> Grid` where parts cannot be read.
 The formats themselves are read by well-kept libraries, loaded only when needed.
 """
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
 from os import PathLike
@@ -20,24 +23,27 @@ import numpy as np
 from wavesplat._files import size_checks
 from wavesplat._files.cancelling import check_cancelled
 from wavesplat._files.file_names import FileName
+from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.memory import free_bytes
 from wavesplat._files.notes import warn
 from wavesplat._files.paths import check_no_pipe, check_text, printable
+from wavesplat._files.reading import reading
 from wavesplat._files.zarr_archive import holds_zarr
 from wavesplat._model import affine, sources
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Facts
-from wavesplat._model.lazy_volume import LazyVolume, lazily
+from wavesplat._model.lazy_volume import LazyVolume, default_memory, lazily
 from wavesplat._model.option_lists import takes_options
 from wavesplat._model.scan_names import name_of_facts
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
-from wavesplat._readers import bioio_files, lazy_files, netcdf, single_planes, vasp, vtk_grids
+from wavesplat._readers import bioio_files, netcdf, single_planes, vasp, vtk_grids
 from wavesplat._readers.bdv_n5 import holds_setups
 from wavesplat._readers.dicom_places import begins_as_dicom
 from wavesplat._readers.file_contents import Contents, contents_of
 from wavesplat._readers.hdf5 import kind_of as hdf5_kind
+from wavesplat._readers.levels import INSTEAD, Levels
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import PLANES_ARE_TAKEN, Grid, Request, requested
 from wavesplat._readers.unsupported_formats import (
@@ -235,10 +241,13 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     _check_options(request, family)
     if family in ("itk", "dicom"):
         check_text(request.file)
-    if (request.memory is not None or _is_large(request, family)) and (lazy := _lazily(request, family)) is not None:
-        return lazy
-    module = import_module(f"wavesplat._readers.{family}")
-    grid: Grid = module.read(request)
+    most = _most_bytes(request)
+    grid = _found(request, family, most)
+    if isinstance(grid, Levels):
+        is_large = request.memory is not None or (grid.n_bytes() > most and not grid.arrays[0].is_in_memory)
+        if is_large and (lazy := _lazily(grid, request, family)) is not None:
+            return lazy
+        grid = _whole(grid, request, family)
     volume = _volume(grid, request, family)
     volume._source = sources.of_file(request.path, {name: getattr(request, name) for name in request.given()})
     for loss in grid.all_losses:
@@ -260,38 +269,70 @@ def grid_of(request: Request) -> Grid:
     """The samples of a file, as its reader gives them."""
     family = _family(request)
     _check_options(request, family)
-    grid: Grid = import_module(f"wavesplat._readers.{family}").read(request)
-    return grid
+    found = _found(request, family, math.inf)
+    return _whole(found, request, family) if isinstance(found, Levels) else found
 
 
-#: Families whose samples lie in one file as they are: its size gives theirs.
+#: Families whose samples can be read in parts -> their names in messages.
+IN_PARTS = {
+    "arrays": "a NumPy file",
+    "raw": "raw samples",
+    "nifti": "NIfTI",
+    "itk": "an image",
+    "vtk_legacy": "a VTK image",
+    "hdf5": "HDF5",
+    "netcdf": "netCDF",
+    "imaris": "an Imaris file",
+    "bdv": "BigDataViewer's HDF5 or N5",
+    "ome_zarr": "Zarr",
+    "tiff": "TIFF",
+    "bioio_files": "a microscope's file",
+}
+#: Families whose samples lie in one file as they are, or else as one stream: its size gives theirs.
 UNCOMPRESSED = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
-#: Families whose headers give the size of their samples.
-IN_CHUNKS = ("hdf5", "netcdf", "imaris", "bdv", "ome_zarr", "tiff", "bioio_files")
 
 
-def _is_large(request: Request, family: str) -> bool:
-    """Whether the samples take more than a quarter of the free memory, and parts of them can be read."""
-    free = free_bytes()
-    if free is None or (request.kept is not None and request.time is not None):
-        return False  # a time point of a series that is read on
-    if family in UNCOMPRESSED and request.file.stat().st_size <= free // LARGE_SHARE:
-        return False
-    if family not in (*UNCOMPRESSED, *IN_CHUNKS):
-        return False
-    try:
-        return lazy_files.n_stored_bytes(lazy_files.lazy_grid(request, family)) > free // LARGE_SHARE
-    except WavesplatError:
-        return False  # whatever is wrong is said where the file is opened
+def _most_bytes(request: Request) -> float:
+    """Bytes of samples that are read at once: a quarter of the free memory; no limit for series that are read on."""
+    free = None if request.kept is not None and request.time is not None else free_bytes()
+    return math.inf if free is None else free // LARGE_SHARE
 
 
-def _lazily(request: Request, family: str) -> LazyVolume | None:
+def _found(request: Request, family: str, most: float) -> Levels | Grid:
+    """The levels of an image in a file; or its samples, where no parts of them can be read."""
+    if family not in IN_PARTS:
+        if request.memory is not None:
+            raise ArgumentError(
+                f"of this kind of file ({family}) parts cannot be read; open it without memory=, or {INSTEAD}: "
+                f"{request.safe_path}"
+            )
+        return import_module(f"wavesplat._readers.{family}").read(request)
+    levels = import_module(f"wavesplat._readers.{'lazy_files' if family == 'itk' else family}").levels
+    with reading(IN_PARTS[family], request.safe_path):
+        if family in UNCOMPRESSED and request.memory is None:
+            if request.file.stat().st_size > most:
+                with suppress(WavesplatError):  # whatever is wrong is said where it is read as a whole
+                    return levels(replace(request, memory=default_memory()))
+            return levels(request)
+        # The file that was described must be the one whose state was taken meanwhile.
+        before = None if request.is_url or request.file.is_dir() else StoredFiles([request.file])
+        found = levels(request)
+        if before is not None:
+            before.look_again()
+        return found
+
+
+def _whole(levels: Levels, request: Request, family: str) -> Grid:
+    with reading(IN_PARTS[family], request.safe_path):
+        return levels.whole(request)
+
+
+def _lazily(grid: Levels, request: Request, family: str) -> LazyVolume | None:
     """The volume whose samples stay in the file; None for a single plane that is asked for, which is read at once."""
-    grid = lazy_files.lazy_grid(request, family)
-    single_planes.check_thickness(grid.levels[0].shape, request, grid.facts.n_times)
-    if PLANES_ARE_TAKEN.get() and min(grid.levels[0].shape) == 1:
+    single_planes.check_thickness(grid.arrays[0].shape, request, grid.facts.n_times)
+    if PLANES_ARE_TAKEN.get() and min(grid.arrays[0].shape) == 1:
         return None
-    places = grid.world_from_index
+    places = list(grid.world_from_index)
     if not np.isfinite(places).all():
         # The file is to blame, not the caller; at once, before anything calculates with it.
         raise FileError(
@@ -304,7 +345,7 @@ def _lazily(request: Request, family: str) -> LazyVolume | None:
         places = [first @ np.linalg.inv(places[0]) @ place for place in places]
     facts = _facts(grid.facts, (), request)
     name = _name(request, family, facts)
-    volume = lazily(grid.levels, places, name, facts, memory=request.memory, keep=request.cache, holes=request.holes)
+    volume = lazily(grid.arrays, places, name, facts, memory=request.memory, keep=request.cache, holes=request.holes)
     options = {name: getattr(request, name) for name in (*request.given(), "memory") if name != "holes"}
     volume._source = sources.of_file(request.path, {k: v for k, v in options.items() if v is not None})
     return volume

@@ -8,39 +8,29 @@ from pathlib import Path
 import numpy as np
 
 from wavesplat._files import size_checks
-from wavesplat._files.reading import reading
-from wavesplat._model.facts import Facts
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of
+from wavesplat._readers.levels import Levels, one_volume, stored_samples
+from wavesplat._readers.request import Request
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["check_size", "checked_dtype", "checked_shape", "read"]
+__all__ = ["levels"]
 
 
-def read(request: Request) -> Grid:
-    """The samples in a raw file."""
-    shape, dtype = checked_shape(request), checked_dtype(request)
+def levels(request: Request) -> Levels:
+    """The samples in a raw file, laid out as the request says."""
+    shape, dtype = _checked_shape(request), _checked_dtype(request)
     path = request.file
-    if path.is_dir():
-        raise FileError(f"this is a folder; raw samples are read from one file: {path}")
     size_checks.check_readable(path)
-    check_size(path, shape, dtype, request.offset, held=one_volume_of(shape, request))
-    index = index_unnamed_axes(shape, request)
-    with reading("raw samples", path):
-        if len(shape) > 3:  # only the volume that is asked for is read
-            samples = np.array(np.memmap(path, dtype, "r", offset=request.offset, shape=shape)[index])
-        else:
-            samples = np.fromfile(path, dtype, offset=request.offset).reshape(shape)[index]
-    return Grid(samples, np.eye(4), Facts(n_times=n_times_of(shape, request)))
+    _check_size(path, shape, dtype, request.offset)
+    found = one_volume(shape, dtype, request, path.name)
+    return Levels([stored_samples(path, request.offset, shape, found)], [np.eye(4)], found.facts(None))
 
 
-def check_size(
-    path: Path, shape: tuple[int, ...], dtype: np.dtype[np.generic], offset: int, held: tuple[int, ...]
-) -> None:
-    """Raise a `FileError` unless the file holds exactly these samples. `held`: shape of the part kept in memory."""
+def _check_size(path: Path, shape: tuple[int, ...], dtype: np.dtype[np.generic], offset: int) -> None:
+    """Raise a `FileError` unless the file holds exactly these samples."""
     if offset < 0:
         raise ArgumentError(f"offset={offset}; give the bytes before the first sample, 0 or more")
     stored = path.stat().st_size - offset
-    size_checks.check_stored(shape, dtype, max(stored, 0), path, held=held)
+    size_checks.check_stored(shape, dtype, max(stored, 0), path, held=(1,))
     needed = size_checks.n_bytes(shape, dtype)
     if stored > needed:
         raise FileError(
@@ -49,7 +39,7 @@ def check_size(
         )
 
 
-def checked_shape(request: Request) -> tuple[int, ...]:
+def _checked_shape(request: Request) -> tuple[int, ...]:
     """The shape that was given; an `ArgumentError` if there is none."""
     if request.shape is None:
         raise ArgumentError(f'raw samples need shape=(z, y, x) and dtype=, such as "uint8"; pass both: {request.path}')
@@ -62,7 +52,7 @@ def checked_shape(request: Request) -> tuple[int, ...]:
     return shape
 
 
-def checked_dtype(request: Request) -> np.dtype[np.generic]:
+def _checked_dtype(request: Request) -> np.dtype[np.generic]:
     """The type that was given, in its byte order."""
     if request.dtype is None:
         raise ArgumentError(f'raw samples need dtype=, such as "uint8" or "int16"; pass it: {request.path}')

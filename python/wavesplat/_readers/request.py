@@ -40,7 +40,6 @@ __all__ = [
     "n_times_of",
     "named_within",
     "no_such_name",
-    "one_volume_of",
     "quiet",
     "requested",
     "several",
@@ -333,12 +332,6 @@ def window_of(low: Any, high: Any) -> tuple[float, float] | None:
     except (TypeError, ValueError, OverflowError):
         return None
     return ends if np.isfinite(ends).all() and ends[0] < ends[1] else None
-
-
-def one_volume_of(shape: Sequence[int], request: Request) -> tuple[int, ...]:
-    """Shape of the one volume that is read of an array whose axes have no names."""
-    first = 0 if request.time is None or len(shape) < 4 else 1
-    return tuple(shape[first : first + 3])
 
 
 def n_times_of(shape: Sequence[int], request: Request) -> int:

@@ -7,11 +7,14 @@ tags are about paper).
 from __future__ import annotations
 
 import re
+import weakref
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from math import prod
 from pathlib import Path
+from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,12 +22,14 @@ from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
 from wavesplat._files.cancelling import check_cancelled
+from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.named_files import check_named_file
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import COLORS, Channel, Facts
+from wavesplat._model.lazy_array import SlicedArray, along_zyx
 from wavesplat._readers import tiff_slices
-from wavesplat._readers.request import Grid, Request, choose, level_numbers, quiet
-from wavesplat._readers.single_planes import level_of_plane, note_on_level
+from wavesplat._readers.levels import Levels, OneVolume, stored_samples
+from wavesplat._readers.request import Request, choose, level_numbers, quiet
 from wavesplat._readers.tiff_facts import TiffPlace, place_of
 from wavesplat._readers.tiff_pages import check_pages
 from wavesplat.errors import FileError
@@ -32,63 +37,32 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from tifffile import TiffFile
 
-__all__ = ["Described", "described", "levels_in", "read"]
+__all__ = ["levels"]
 
 #: Attributes of OME metadata that name another file.
 NAMES_OF_FILES = ("FileName", "MetadataFile")
 
 
-def read(request: Request) -> Grid:
-    """The stack in a TIFF file or a folder of TIFF files."""
-    with reading("TIFF", request.path), quiet("tifffile"):
-        if request.file.is_dir():
+def levels(request: Request) -> Levels:
+    """The levels of the stack in a TIFF file, or the one that is asked for; or the stack of a folder."""
+    import tifffile
+
+    path = request.file
+    with quiet("tifffile"):
+        if path.is_dir():
             level_numbers(1, request)
-            return _read_folder(request.file, request)
-        return _read_file(request.file, request)
+            slices = tiff_slices.slices_in(path, request)
+            folder = _folder_array(slices, request)
+            return Levels([folder], [slices.world_from_index], slices.facts, quietly=partial(quiet, "tifffile"))
+        with tifffile.TiffFile(path) as tiff:
+            return _levels_of(tiff, path, request)
 
 
-def _read_file(path: Path, request: Request) -> Grid:
-    import tifffile
-
-    with tifffile.TiffFile(path) as tiff:
-        found = _described(tiff, path, request)[0]
-        samples = np.transpose(_picked_samples(tiff, found, path), found.order)
-        return Grid(samples, found.world_from_index, found.facts)
-
-
-@dataclass(frozen=True)
-class Described:
-    """Layout, place and facts of a level of a file's first series, before samples are read."""
-
-    level: int
-    shape: tuple[int, ...]
-    page_shape: tuple[int, ...]
-    #: Type of the samples, in the byte order of the file.
-    dtype: np.dtype[Any]
-    #: First byte of the samples where all of them lie in one piece of this file, unpacked; else None.
-    offset: int | None
-    picked: tuple[Any, ...]
-    order: list[int]
-    world_from_index: NDArray[np.float64]
-    facts: Facts
-    #: Other files of the same image that OME metadata name.
-    others: tuple[Path, ...] = ()
-
-
-def described(path: Path, request: Request) -> list[Described]:
-    """Descriptions of the levels of the stack in a file, the finest first, or of the one that is asked for."""
-    import tifffile
-
-    with tifffile.TiffFile(path) as tiff:
-        found = _described(tiff, path, request, in_memory=False)
-        others = tuple(path.parent / name for name in dict.fromkeys(_named_files(tiff)))
-        return [replace(one, others=others) for one in found]
-
-
-def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool = True) -> list[Described]:
+def _levels_of(tiff: TiffFile, path: Path, request: Request) -> Levels:
     check_pages(path)
-    _check_named_files(tiff, path, request)
-    levels = levels_in(tiff)
+    for name in _named_files(tiff):
+        check_named_file(name, path, anywhere=request.external_files, within=request.within)
+    levels = _levels_in(tiff)
     finest: Any = levels[0]
     place = place_of(
         tiff,
@@ -99,31 +73,95 @@ def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool 
     channels = _colors(finest) or place.facts.channels
     names = [channel.name for channel in channels]
     layouts = [_one_stack(series.axes, series.shape, request, names) for series in levels]
-    shapes = [_zyx(series.shape, *layout) for series, layout in zip(levels, layouts, strict=True)]
+    shapes = [along_zyx(series.shape, order, 1) for series, (_, order) in zip(levels, layouts, strict=True)]
     facts = replace(place.facts, channels=channels, n_times=_n_times(finest))
     facts = replace(facts, channel=_channel_of(facts, request), levels=tuple(shapes) if len(shapes) > 1 else ())
-    wanted = level_numbers(len(levels), request)
-    if in_memory:
-        wanted = [level_of_plane(shapes, request) or wanted[0]]
-        if wanted[0] > 0 and request.level is None:
-            facts = replace(facts, guesses=(*facts.guesses, note_on_level(wanted[0], len(levels))))
-    found = []
-    for number in wanted:
-        series, (picked, order) = levels[number], layouts[number]
-        others = "TCS" if "Z" in series.axes else "CS"
-        one = [n for name, n in zip(series.axes, series.shape, strict=True) if name not in others]
-        _check_stored(path, one if in_memory else [1], series)
+    arrays, matrices = [], []
+    for number in level_numbers(len(levels), request):
+        _check_stored(path, levels[number])
         # An empty image is refused when its samples are taken.
         sizes = np.maximum([shapes[0][::-1], shapes[number][::-1]], 1)
-        matrix = _world_from_index(place, sizes[0] / sizes[1])
-        pages = tuple(series.keyframe.shape)
-        dtype = series.dtype.newbyteorder(tiff.byteorder)
-        offset = _offset_of(series)
-        found.append(Described(number, tuple(series.shape), pages, dtype, offset, picked, order, matrix, facts))
-    return found
+        arrays.append(_array(tiff, number, layouts[number], request))
+        matrices.append(_world_from_index(place, sizes[0] / sizes[1]))
+    return Levels(arrays, matrices, facts, quietly=partial(quiet, "tifffile"))
 
 
-def levels_in(tiff: TiffFile) -> list[Any]:
+def _array(
+    tiff: TiffFile,
+    level: int,
+    layout: tuple[list[int | None], tuple[int, ...]],
+    request: Request,
+) -> SlicedArray:
+    """The samples of a level: by their place in the file where all lie in one piece of it, unpacked, else page by page.
+
+    Such a file may have a single page directory for all of its planes: ImageJ writes stacks of more than 4 GB so.
+    """
+    series: Any = _levels_in(tiff)[level]
+    path, (picked, order) = request.file, layout
+    dtype = series.dtype
+    if series.dataoffset is not None and not series.is_multifile:
+        stored = dtype.newbyteorder(tiff.byteorder)
+        return stored_samples(path, int(series.dataoffset), series.shape, OneVolume(order, picked, stored, stored))
+    n_of_pages = len(series.shape) - len(series.keyframe.shape)
+    # Of pages that are slices one can be read without the others.
+    is_of_slices = _has_own_pages(series) and [n_of_pages - 1] == [k for k in order if k < n_of_pages]
+    if request.memory is not None and not is_of_slices:
+        raise FileError(f"the slices are no pages of their own; open the file without memory=: {path}")
+    return SlicedArray(
+        None,
+        name=request.name,
+        chunks=along_zyx([1 if axis < n_of_pages else n for axis, n in enumerate(series.shape)], order, 1),
+        order=order,
+        picked=picked,
+        opened=partial(_Pages, str(path), level),
+        dtype=dtype.newbyteorder("="),
+        shape=along_zyx(series.shape, order, 1),
+        n_readers=2,
+        token=f"TIFF {path} {level} {picked}",
+        files=StoredFiles([path, *(path.parent / name for name in dict.fromkeys(_named_files(tiff)))]),
+    )
+
+
+def _has_own_pages(series: Any) -> bool:
+    """Whether the last axes of a series are those of its pages, which follow each other along the others."""
+    n = len(series.shape) - len(series.keyframe.shape)
+    return bool(series.shape[n:] == series.keyframe.shape and len(series.pages) == prod(series.shape[:n]))
+
+
+class _Pages:
+    """A level of the first series, which is sliced by reading the pages that it needs."""
+
+    def __init__(self, path: str, level: int) -> None:
+        import tifffile
+
+        self._file = tifffile.TiffFile(path)
+        # Closed with these pages, rather than by the garbage collector's warning.
+        weakref.finalize(self, self._file.close)
+        self._series: Any = _levels_in(self._file)[level]
+        self._lock = Lock()
+
+    def __getitem__(self, index: tuple[int | slice, ...]) -> NDArray[Any]:
+        series, n = self._series, len(self._series.shape) - len(self._series.keyframe.shape)
+        with self._lock, quiet("tifffile"):
+            if not _has_own_pages(series) or all(_is_whole(one, k) for one, k in zip(index, series.shape, strict=True)):
+                return np.asarray(series.asarray()[index])
+            wanted = np.arange(len(series.pages)).reshape(series.shape[:n])[index[:n]]
+            pages: NDArray[Any] = np.stack([self._page(int(number), index[n:]) for number in wanted.ravel()])
+        return pages.reshape(*wanted.shape, *pages.shape[1:])
+
+    def _page(self, number: int, inside: tuple[int | slice, ...]) -> NDArray[Any]:
+        page: Any = self._series.pages[number]
+        if page is None:
+            raise ValueError(f"page {number} is not there")
+        samples: NDArray[Any] = page.asarray()[inside]
+        return samples
+
+
+def _is_whole(part: int | slice, n: int) -> bool:
+    return isinstance(part, slice) and (part.start, part.stop) in ((0, n), (None, None))
+
+
+def _levels_in(tiff: TiffFile) -> list[Any]:
     """The levels of the first series, the finest first: levels of a pyramid with the same axes and falling sizes."""
     finest: Any = tiff.series[0]
     levels = [finest]
@@ -136,13 +174,6 @@ def levels_in(tiff: TiffFile) -> list[Any]:
     return levels
 
 
-def _zyx(shape: Sequence[int], picked: Sequence[Any], order: Sequence[int]) -> tuple[int, int, int]:
-    """Samples along z, y, x of a stack; 1 along z of a single plane."""
-    kept = [n for n, part in zip(shape, picked, strict=True) if isinstance(part, slice)]
-    z, y, x = ([1] * (3 - len(kept)) + [kept[axis] for axis in order])[-3:]
-    return z, y, x
-
-
 def _world_from_index(place: TiffPlace, ratios: NDArray[np.float64]) -> NDArray[np.float64]:
     """The affine of a coarser level with the same box, by the number of finest samples for each of its own.
 
@@ -152,14 +183,6 @@ def _world_from_index(place: TiffPlace, ratios: NDArray[np.float64]) -> NDArray[
     matrix = np.diag([*(ratios * steps), 1.0])
     matrix[:3, 3] = np.array(place.origin) + (ratios - 1) / 2 * steps
     return matrix
-
-
-def _offset_of(series: Any) -> int | None:
-    """First byte of a series whose samples lie in one piece of the file; None where they do not.
-
-    Such a series may have a single page directory for all of its planes: ImageJ writes stacks of more than 4 GB so.
-    """
-    return None if series.is_multifile or series.dataoffset is None else int(series.dataoffset)
 
 
 def _channel_of(facts: Facts, request: Request) -> Channel | None:
@@ -178,12 +201,6 @@ def _n_times(series: Any) -> int:
     return int(sizes.get("T", 1)) if "Z" in sizes else 1
 
 
-def _check_named_files(tiff: TiffFile, path: Path, request: Request) -> None:
-    """Raise a `FileError` if the OME metadata name files in other folders."""
-    for name in _named_files(tiff):
-        check_named_file(name, path, anywhere=request.external_files, within=request.within)
-
-
 def _named_files(tiff: TiffFile) -> list[str]:
     """Names of files in the OME metadata."""
     text = (tiff.ome_metadata or "") if tiff.is_ome else ""
@@ -195,32 +212,58 @@ def _named_files(tiff: TiffFile) -> list[str]:
     return [name for name in names if name]
 
 
-def _read_folder(folder: Path, request: Request) -> Grid:
-    import tifffile
+def _folder_array(slices: tiff_slices.Slices, request: Request) -> SlicedArray:
+    """The samples of a folder, a file for each slice."""
+    y, x = slices.first.shape
+    return SlicedArray(
+        None,
+        name=request.name,
+        chunks=(1, y, x),
+        opened=partial(_FolderPages, slices.files, replace(request, kept=None), slices.first),
+        dtype=slices.first.dtype,
+        shape=(len(slices.files), y, x),
+        n_readers=2,
+        token=f"TIFF folder {request.file} {request.time} {request.channel}",
+        files=StoredFiles(slices.files, axis=0),
+    )
 
-    slices = tiff_slices.slices_in(folder, request)
-    first = slices.first
-    size_checks.check_memory(first.nbytes * len(slices.files), folder)
-    stack = np.empty((len(slices.files), *first.shape), first.dtype)
-    for number, file in enumerate(slices.files):
-        check_cancelled()
-        with reading("TIFF", file):
+
+class _FolderPages:
+    """Slices in a file each, of the shape and type of the first."""
+
+    def __init__(self, files: list[Path], request: Request, first: NDArray[Any]) -> None:
+        self._files, self._request = files, request
+        self._shape, self._dtype = first.shape, first.dtype
+
+    def __getitem__(self, index: tuple[slice, slice, slice]) -> NDArray[Any]:
+        zs, ys, xs = index
+        made: NDArray[Any] | None = None
+        for k in range(zs.start, zs.stop):
+            check_cancelled()
+            page = self._page(self._files[k])[ys, xs]
+            made = np.empty((zs.stop - zs.start, *page.shape), page.dtype) if made is None else made
+            made[k - zs.start] = page
+        return np.empty((0, 0, 0), self._dtype) if made is None else made
+
+    def _page(self, file: Path) -> NDArray[Any]:
+        import tifffile
+
+        with reading("TIFF", file), quiet("tifffile"):
             check_pages(file)
-            one = tiff_slices.slice_of(tifffile.imread(file), file, request)
-        if (one.shape, one.dtype) != (first.shape, first.dtype):
+            one = tiff_slices.slice_of(tifffile.imread(file), file, self._request)
+        if (one.shape, one.dtype) != (self._shape, self._dtype):
             raise FileError(
-                f"slices differ: {slices.files[0].name} is {first.shape} of {first.dtype}, "
+                f"slices differ: {self._files[0].name} is {self._shape} of {self._dtype}, "
                 f"{file.name} is {one.shape} of {one.dtype}; "
-                f"keep one kind in the folder: {folder}"
+                f"keep one kind in the folder: {file.parent}"
             )
-        stack[number] = one
-    return Grid(stack, slices.world_from_index, slices.facts)
+        return one
 
 
 def _one_stack(
     axes: str, shape: Sequence[int], request: Request, channels: Sequence[str] = ()
-) -> tuple[tuple[Any, ...], list[int]]:
-    """Index of one stack in an array whose axes tifffile named, and the order that makes it [z, y, x].
+) -> tuple[list[int | None], tuple[int, ...]]:
+    """Index of one stack in an array whose axes tifffile named, and its axes z, y, x (or y, x).
 
     The names: T time, C channel, S colour, Q or I unknown.
     """
@@ -228,12 +271,10 @@ def _one_stack(
         # Many programs store a stack as anonymous pages or as time points.
         stack = next((name for name in "QIT" if name in axes and shape[axes.index(name)] > 1), None)
         axes = axes.replace(stack, "Z") if stack else axes
-    picked: list[Any] = []
-    kept = ""
+    picked: list[int | None] = []
     for name, count in zip(axes, shape, strict=True):
         if name in "ZYX":
-            picked.append(slice(None))
-            kept += name
+            picked.append(None)
         elif name == "T":
             picked.append(choose("time", count, request.time, request.path))
         elif name in "CS":
@@ -242,35 +283,13 @@ def _one_stack(
             picked.append(0)
         else:
             raise FileError(f"the axes are {axes}, shape {tuple(shape)}; export one stack as Z, Y, X: {request.path}")
-    return tuple(picked), [kept.index(name) for name in "ZYX" if name in kept]
+    return picked, tuple(axes.index(name) for name in "ZYX" if name in axes)
 
 
-def _picked_samples(tiff: TiffFile, found: Described, path: Path) -> NDArray[Any]:
-    """Samples of a level of the first series at the index `picked`; other pages are not read."""
-    picked = found.picked
-    series: Any = levels_in(tiff)[found.level]
-    of_pages = len(series.shape) - len(series.keyframe.shape)
-    n_pages = len(series.pages)
-    is_part = not all(isinstance(part, slice) for part in picked[:of_pages])
-    is_regular = series.shape[of_pages:] == series.keyframe.shape and n_pages == prod(series.shape[:of_pages])
-    offset = _offset_of(series)
-    if is_part and offset is not None:
-        dtype = series.dtype.newbyteorder(tiff.byteorder)
-        mapped = np.memmap(path, dtype, "r", offset=offset, shape=tuple(series.shape))
-        return np.array(mapped[picked])
-    if is_part and is_regular:
-        wanted = np.arange(n_pages).reshape(series.shape[:of_pages])[picked[:of_pages]]
-        pages: NDArray[Any] = np.stack([series.pages[int(number)].asarray() for number in wanted.ravel()])
-        pages = pages.reshape(*wanted.shape, *series.keyframe.shape)
-        return np.asarray(pages[(..., *picked[of_pages:])])
-    whole: NDArray[Any] = series.asarray()
-    return np.asarray(whole[picked])
-
-
-def _check_stored(path: Path, one: Sequence[int], series: Any) -> None:
-    """Raise a `FileError` if a page's data reach past the end of the file. `one`: shape of one volume."""
+def _check_stored(path: Path, series: Any) -> None:
+    """Raise a `FileError` if a page's data reach past the end of the file."""
     size = path.stat().st_size
-    size_checks.check_stored(series.shape, series.dtype, size, path, ratio=size_checks.ANY_RATIO, held=one)
+    size_checks.check_stored(series.shape, series.dtype, size, path, ratio=size_checks.ANY_RATIO, held=(1,))
     ends = [series.dataoffset + series.nbytes] if series.dataoffset is not None else []
     for page in series.pages:
         if page is not None:

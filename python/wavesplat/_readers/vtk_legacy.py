@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import mmap
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -21,13 +22,21 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.reading import mapped, reading
 from wavesplat._model.facts import Facts
-from wavesplat._readers.components import component_of, facts_of_colors, number_of_component, quantity_of_array
+from wavesplat._readers.components import (
+    chosen_component,
+    component_of,
+    facts_of_colors,
+    length_along,
+    quantity_of_array,
+    type_of_length,
+)
 from wavesplat._readers.file_contents import MAX_BYTES, Contents, FileArray, ranges_of
+from wavesplat._readers.levels import Levels, OneVolume, stored_samples
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk_arrays import chosen, image_facts, other_grid, world_from_index
 from wavesplat.errors import FileError
 
-__all__ = ["LegacyArray", "check_whole", "chosen_array", "contents", "read"]
+__all__ = ["check_whole", "contents", "levels"]
 
 #: The format's names of a type -> NumPy's. Bits are eight to a byte. Identifiers are written as 32-bit integers.
 TYPES = {
@@ -100,19 +109,31 @@ class _Image:
         return nx, ny, nz
 
 
-def read(request: Request) -> Grid:
+def levels(request: Request) -> Levels | Grid:
     """The volume in a legacy VTK file: its scalars, or the array that `dataset` names."""
     path = request.file
-    with reading("a VTK image", path), mapped(path) as content:
+    with mapped(path) as content:
         image = _Parser(content, path).image()
         array, matrix, guessed = _picked(image, request)
-        shape = (*image.size_of(array)[::-1], array.n_components)
-        numbers = _numbers(content, array, path)
+        n, dtype = array.n_components, np.dtype(array.dtype)
+        shape = (*image.size_of(array)[::-1], n)
+        number, guesses = chosen_component(n, dtype, request, array.name)
+        colors = facts_of_colors(n, dtype, request)
+        facts = Facts(quantity=quantity_of_array(array.name, n, dtype, request), guesses=guessed + guesses, **colors)
+        if not (array.is_text or array.is_bits):
+            volume = OneVolume((0, 1, 2), [None, None, None, number], dtype, dtype)
+            if number is None:
+                length = partial(length_along, axis=-1)
+                volume = replace(
+                    volume, picked=[None, None, None, slice(0, n)], made=type_of_length(dtype), convert=length
+                )
+            return Levels([stored_samples(path, array.begin, shape, volume)], [matrix], facts)
+        if request.memory is not None:
+            written = "text" if array.is_text else "bits"
+            raise FileError(f"the samples are written as {written}; open the file without memory=: {request.safe_path}")
         # Not a view: the file is closed.
-        samples, guesses = component_of(numbers.reshape(shape), request, array.name)
-        quantity = quantity_of_array(array.name, array.n_components, array.dtype, request)
-        colors = facts_of_colors(array.n_components, np.dtype(array.dtype), request)
-        return Grid(np.array(samples), matrix, Facts(quantity=quantity, guesses=guessed + guesses, **colors))
+        numbers = _numbers(content, array, path).reshape(shape)
+        return Grid(np.array(component_of(numbers, request, array.name)[0]), matrix, facts)
 
 
 def contents(request: Request) -> Contents:
@@ -138,27 +159,6 @@ def contents(request: Request) -> Contents:
 
 def _ranges(content: mmap.mmap, array: LegacyArray, path: Path) -> tuple[tuple[float, float] | None, ...]:
     return ranges_of(_numbers(content, array, path).reshape(-1, array.n_components), has_components=True)
-
-
-@dataclass(frozen=True)
-class ChosenArray:
-    """An array that is asked for, which of its components, its shape (z, y, x, component), its place, and guesses."""
-
-    stored: LegacyArray
-    channel: int
-    shape: tuple[int, ...]
-    world_from_index: NDArray[np.float64]
-    guesses: tuple[str, ...]
-
-
-def chosen_array(request: Request) -> ChosenArray:
-    """The array that is asked for, for samples that are read in parts."""
-    path = request.file
-    with mapped(path) as content:
-        image = _Parser(content, path).image()
-    array, matrix, guessed = _picked(image, request)
-    channel = number_of_component(array.n_components, array.dtype, request, array.name)
-    return ChosenArray(array, channel, (*image.size_of(array)[::-1], array.n_components), matrix, guessed)
 
 
 def check_whole(path: Path) -> None:

@@ -6,7 +6,9 @@ import type { Page } from "playwright-core";
 import { afterAll, beforeAll, beforeEach, describe, expect, test } from "vitest";
 
 import type { ViewerState } from "../src/state/state.ts";
-import { atRest, change, folder, openBrowser, openViewer, pixels, python, startServer, state, type Browser, type Server } from "./harness.ts";
+import {
+  atRest, change, folder, nightly, openBrowser, openViewer, pixels, python, startServer, state, type Browser, type Server,
+} from "./harness.ts";
 
 let server: Server;
 let browser: Browser;
@@ -58,7 +60,7 @@ describe("the rail", () => {
     await expect.poll(() => page.locator("[data-panel]").count()).toBe(0);
   });
 
-  test("Escape closes the sheet, and its icon has the focus", async () => {
+  nightly("Escape closes the sheet, and its icon has the focus", async () => {
     await page.locator('[data-opens="cut"]').click();
     await page.getByRole("checkbox", { name: "Handles in the views" }).focus();
     await page.keyboard.press("Escape");
@@ -66,7 +68,7 @@ describe("the rail", () => {
     await expect.poll(() => page.evaluate(() => (document.getElementById("viewer")?.shadowRoot?.activeElement as HTMLElement | null | undefined)?.dataset["opens"])).toBe("cut");
   });
 
-  test("the picture has the whole window, and no panel has an unclear word", async () => {
+  nightly("the picture has the whole window, and no panel has an unclear word", async () => {
     const picture = await page.locator('[data-view="3d"]').boundingBox();
     expect([picture?.width, picture?.height]).toEqual([1280, 800]);
     for (const name of ["function", "layers", "light", "cut", "slices", "measure", "share", "settings"]) {
@@ -91,7 +93,7 @@ const cutFields = (): Promise<string[]> =>
   );
 
 describe("numbers", () => {
-  test("no number field cuts its text, at 100 and at 200 %", async () => {
+  nightly("no number field cuts its text, at 100 and at 200 %", async () => {
     const lower = [-177.95619, 50.00123, 150.4999];
     await change(page, { op: "add", path: "/clip/-", value: { keep: { lower, upper: [100.123, 250.77, 400.1], space: "world" } } });
     for (const [width, height] of [[1280, 800], [640, 400]] as const) {
@@ -106,7 +108,7 @@ describe("numbers", () => {
     expect(await page.getByRole("spinbutton", { name: "x from, number, mm" }).inputValue()).toBe("-178");
   });
 
-  test("the card about the data says what is known and what was guessed", async () => {
+  nightly("the card about the data says what is known and what was guessed", async () => {
     await page.getByRole("button", { name: /about the data$/ }).click();
     const card = page.locator('[data-panel="about"]');
     const { volumes } = await page.evaluate(() => (document.getElementById("viewer") as unknown as { wavesplat: { welcome: { volumes: { shape: number[] }[] } } }).wavesplat.welcome);
@@ -132,7 +134,7 @@ open("${name}.nrrd", "wb").write(header.encode() + samples.tobytes())`,
   return startServer(join(where, `${name}.nrrd`));
 }
 
-test("what data were taken for is in the page, and micrometres are written µm", async () => {
+nightly("what data were taken for is in the page, and micrometres are written µm", async () => {
   const blobs = "rng.gamma(2, 1, z.shape) + 400 * np.exp(-((z - 20) ** 2 + (y - 12) ** 2 + (x - 20) ** 2) / 8) + 300 * np.exp(-((z - 30) ** 2 + (y - 25) ** 2 + (x - 10) ** 2) / 4)";
   for (const [unit, spacing, kind] of [["mm", 4, "Taken for PET"], ["um", 0.5, "µm"]] as const) {
     const other = await made(unit, blobs, spacing, unit);
@@ -162,7 +164,7 @@ async function boneShare(): Promise<number> {
   return n / (data.length / 4);
 }
 
-test("one drag of See-through shows the bones behind the skin, and is one step of undo", async () => {
+nightly("one drag of See-through shows the bones behind the skin, and is one step of undo", async () => {
   await page.locator('[data-opens="presets"]').click();
   await page.getByRole("option", { name: /^Skin:/ }).click();
   await expect.poll(async () => (await state(page)).layers[0]?.look.name).toBe("ct-skin");
@@ -200,7 +202,7 @@ const collisions = (): Promise<string[]> =>
   });
 
 describe("small windows", () => {
-  test("on a phone there is one row of tools, and a sheet from below leaves the picture 60 % of the height", async () => {
+  nightly("on a phone there is one row of tools, and a sheet from below leaves the picture 60 % of the height", async () => {
     await page.setViewportSize({ width: 390, height: 844 });
     for (const panels of [[], ["presets"], ["function"], ["light"], ["presets", "settings"]]) {
       await change(page, { op: "replace", path: "/view/interface/panels", value: panels });
@@ -212,7 +214,7 @@ describe("small windows", () => {
     }
   });
 
-  test("at 200 % nothing that floats lies over another", async () => {
+  nightly("at 200 % nothing that floats lies over another", async () => {
     await page.setViewportSize({ width: 640, height: 400 });
     for (const panels of [["presets"], ["function"], ["slices"], ["about"]]) {
       await change(page, { op: "replace", path: "/view/interface/panels", value: panels });
@@ -223,7 +225,7 @@ describe("small windows", () => {
 });
 
 describe("the palette", () => {
-  test("Ctrl K finds looks, layouts, windows and keys, without the mouse", async () => {
+  nightly("Ctrl K finds looks, layouts, windows and keys, without the mouse", async () => {
     const run = async (text: string): Promise<void> => {
       await page.keyboard.press("Control+k");
       await page.getByRole("combobox", { name: /^Find a command/ }).waitFor();

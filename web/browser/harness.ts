@@ -7,9 +7,15 @@ import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 
 import { chromium, type BrowserContext, type Page } from "playwright-core";
+import { test } from "vitest";
 
 import type { ViewerState } from "../src/state/state.ts";
 import type { FrameRecord } from "../src/view/frame_statistics.ts";
+
+/** Whether all tests run (`npm run browser:all`), not one of each kind. */
+export const NIGHT = process.env["WAVESPLAT_NIGHT"] === "1";
+/** A test of a kind that another one, of the day, has. */
+export const nightly: typeof test = NIGHT ? test : (test.skip as typeof test);
 
 const ROOT = fileURLToPath(new URL("../..", import.meta.url));
 const VENV = join(ROOT, ".venv/bin/python");

@@ -10,7 +10,9 @@ import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 
-import { atRest, change, openBrowser, openPanel, openViewer, pixels, python, startServer, state, type Browser, type Server } from "./harness.ts";
+import {
+  atRest, change, nightly, openBrowser, openPanel, openViewer, pixels, python, startServer, state, type Browser, type Server,
+} from "./harness.ts";
 
 const DATA = mkdtempSync(join(tmpdir(), "wavesplat-test-"));
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -88,7 +90,7 @@ describe("without a file", () => {
     expect(await page.getByRole("button", { name: "Clear list" }).count()).toBe(0);
   });
 
-  test.each(["dark", "light"] as const)("axe finds nothing in %s", async (colorScheme) => {
+  nightly.each(["dark", "light"] as const)("axe finds nothing in %s", async (colorScheme) => {
     await page.emulateMedia({ colorScheme });
     await page.evaluate(AXE);
     const found = await page.evaluate(async () => {
@@ -98,7 +100,7 @@ describe("without a file", () => {
     expect(found).toEqual([]);
   });
 
-  test("a file that is none is said to be so, and nothing of it stays", async () => {
+  nightly("a file that is none is said to be so, and nothing of it stays", async () => {
     await drop("letter.nii.gz");
     await page.getByRole("alert").getByText("letter.nii.gz").waitFor();
     await expect.poll(() => uploads()).toEqual([]);
@@ -150,7 +152,7 @@ describe("a second volume", () => {
     expect((await pixels(page)).data.equals(before.data)).toBe(true);
   });
 
-  test("replaces the first, which undo brings back", async () => {
+  nightly("replaces the first, which undo brings back", async () => {
     await drop("pet.nii.gz");
     await page.getByRole("button", { name: "Replace" }).click();
     await expect.poll(layers).toEqual(["PET"]);
@@ -160,7 +162,7 @@ describe("a second volume", () => {
     await atRest(page);
   });
 
-  test("is nothing if the question is cancelled", async () => {
+  nightly("is nothing if the question is cancelled", async () => {
     await drop("pet.nii.gz");
     await page.getByRole("dialog").getByRole("button", { name: "Cancel" }).click();
     await page.getByRole("dialog").waitFor({ state: "detached" });
@@ -169,7 +171,7 @@ describe("a second volume", () => {
   });
 });
 
-test("a segmentation is known as one, and a surface is added without a question", async () => {
+nightly("a segmentation is known as one, and a surface is added without a question", async () => {
   await drop("bones.nii.gz");
   await page.getByRole("button", { name: "Segmentation" }).click();
   await expect.poll(async () => Object.keys((await state(page)).labels?.labels ?? {})).toEqual(["1"]);
@@ -184,7 +186,7 @@ test("a segmentation is known as one, and a surface is added without a question"
   await atRest(page);
 });
 
-test("a saved state still opens, and a folder comes by its button", async () => {
+nightly("a saved state still opens, and a folder comes by its button", async () => {
   await change(page, { op: "replace", path: "/background", value: "#102030" });
   await openPanel(page, "share");
   const [saved] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save state" }).click()]);
@@ -241,7 +243,7 @@ describe("pages from elsewhere", () => {
   });
 });
 
-test("files of the command are listed, opened again and forgotten, and what was sent is removed at the end", async () => {
+nightly("files of the command are listed, opened again and forgotten, and what was sent is removed at the end", async () => {
   await page.close();
   await server.stop();
   expect(readdirSync(TEMPORARY)).toEqual([]);

@@ -6,7 +6,7 @@ import { createRequire } from "node:module";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 
 import {
-  atRest, change, drag, middle, openBrowser, openPanel, openViewer, pixels, records, startServer, state, type Browser, type Server,
+  NIGHT, atRest, change, drag, middle, nightly, openBrowser, openPanel, openViewer, pixels, records, startServer, state, type Browser, type Server,
 } from "./harness.ts";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -31,7 +31,7 @@ describe("accessibility", () => {
     await server?.stop();
   });
 
-  test.each(["dark", "light"])("axe finds nothing in %s", async (theme) => {
+  test.each(NIGHT ? ["dark", "light"] : ["dark"])("axe finds nothing in %s", async (theme) => {
     const page = await openViewer(browser, theme === "dark" ? server.link : `http://127.0.0.1:${server.port}/`);
     await change(page, { op: "replace", path: "/view/interface/theme", value: theme },
       { op: "replace", path: "/view/layout", value: { name: "one-and-three", main: "3d" } },
@@ -62,7 +62,7 @@ describe("accessibility", () => {
     await page.close();
   });
 
-  test("nothing overflows where it is narrow or magnified", async () => {
+  nightly("nothing overflows where it is narrow or magnified", async () => {
     const page = await openViewer(browser, `http://127.0.0.1:${server.port}/`);
     for (const [width, height] of [[360, 640], [640, 400], [320, 512]] as const) {
       await page.setViewportSize({ width, height });
@@ -104,7 +104,7 @@ test("a page connects again after the server was started again, with what was ch
   await again.stop();
 });
 
-test("a link that was used says so", async () => {
+nightly("a link that was used says so", async () => {
   const server = await startServer("--example", "ripples");
   const one = await openBrowser();
   const page = await openViewer(one, server.link);
@@ -122,7 +122,7 @@ const cpuMs = (pid: number): number => {
   return (Number(fields[11]) + Number(fields[12])) * 10;
 };
 
-test("over a slow line a page is never further behind than one frame; one that does not answer costs nothing", async () => {
+nightly("over a slow line a page is never further behind than one frame; one that does not answer costs nothing", async () => {
   const server = await startServer("--example", "ct_pelvis", "--preset", "ct-bone");
   const page = await browser.context.newPage();
   // A line of 100 ms there and back, 10 Mbit/s.
@@ -186,7 +186,7 @@ test("over a slow line a page is never further behind than one frame; one that d
   await server.stop();
 });
 
-test("a thousand frames need no more memory", async () => {
+nightly("a thousand frames need no more memory", async () => {
   const server = await startServer("--example", "ct_pelvis", "--preset", "ct-bone");
   const page = await openViewer(browser, server.link);
   await page.setViewportSize({ width: 640, height: 420 });

@@ -4,7 +4,7 @@ import type { Page } from "playwright-core";
 import { afterAll, beforeAll, beforeEach, describe, expect, test } from "vitest";
 
 import type { Vec3, ViewerState } from "../src/state/state.ts";
-import { atRest, change, middle, openBrowser, openViewer, startServer, state, type Browser, type Server } from "./harness.ts";
+import { atRest, change, middle, nightly, openBrowser, openViewer, startServer, state, type Browser, type Server } from "./harness.ts";
 
 /** A place of the page where no slice is. */
 const ON_RAIL = [30, 500] as const;
@@ -78,7 +78,7 @@ describe("at zoom 4", () => {
     expect(Math.hypot(at.x - (width / 2 + 80), at.y - (height / 2 + 60))).toBeLessThan(1);
   });
 
-  test.each([["Shift", "left"], [null, "middle"]] as const)("a drag with %s %s moves the picture, and not the crosshair", async (key, button) => {
+  nightly.each([["Shift", "left"], [null, "middle"]] as const)("a drag with %s %s moves the picture, and not the crosshair", async (key, button) => {
     await magnified();
     const before = await state(page);
     const mark: Vec3 = before.view.slices.crosshair;
@@ -141,7 +141,7 @@ describe("two fingers", () => {
     await session.detach();
   };
 
-  test("up and down scroll through slices, sideways they move the picture", async () => {
+  nightly("up and down scroll through slices, sideways they move the picture", async () => {
     await magnified(2);
     const { x, y } = await middle(page, "z");
     const before = (await state(page)).view.slices;
@@ -160,7 +160,7 @@ describe("two fingers", () => {
     expect(Math.abs(to.y - from.y)).toBeLessThan(3);
   });
 
-  test("apart they magnify about the point between them", async () => {
+  nightly("apart they magnify about the point between them", async () => {
     const { x, y, width, height } = await middle(page, "z");
     const under = await worldAt(width / 2 + 60, height / 2);
     await touch(Array.from({ length: 11 }, (_, n) => [x + 60 - 40 - 8 * n, y, x + 60 + 40 + 8 * n, y] as const));
@@ -195,7 +195,7 @@ describe("tools", () => {
     expect((await state(page)).view.slices.crosshair).toEqual(first.view.slices.crosshair);
   });
 
-  test("two clicks are a measure with a line between them, also on a handle of the crosshair", async () => {
+  nightly("two clicks are a measure with a line between them, also on a handle of the crosshair", async () => {
     const handle = page.getByRole("slider", { name: "Coronal plane", exact: true });
     const box = await handle.boundingBox();
     if (box === null) throw new Error("there is no handle");
@@ -208,7 +208,7 @@ describe("tools", () => {
     await choose("Turn");
   });
 
-  test("every tool has a cursor of its own", async () => {
+  nightly("every tool has a cursor of its own", async () => {
     const cursors: string[] = [];
     for (const [tool, name] of [["Turn", "turn"], ["Window and level", "window"], ["Measure a distance", "distance"], ["Measure an angle", "angle"]] as const) {
       await choose(tool);
@@ -219,7 +219,7 @@ describe("tools", () => {
     await choose("Turn");
   });
 
-  test("a line around a region gives its area and the mean in it", async () => {
+  nightly("a line around a region gives its area and the mean in it", async () => {
     await choose("Measure a region");
     const { x, y } = await middle(page, "z");
     const corner = (angle: number): [number, number] => [x + 50 * Math.cos(angle), y + 90 + 50 * Math.sin(angle)];
@@ -236,7 +236,7 @@ describe("tools", () => {
   });
 });
 
-test("a double click lets a slice fill the page, and goes back", async () => {
+nightly("a double click lets a slice fill the page, and goes back", async () => {
   await change(page, { op: "replace", path: "/view/layout", value: { name: "two-by-two", main: "3d" } });
   await page.locator('[data-view="y"] canvas[data-at-rest="true"]').waitFor();
   const { x, y } = await middle(page, "y");
@@ -261,14 +261,14 @@ test("a slice is drawn however fast the layout changes", async () => {
   }
 });
 
-test("the text of the window is a menu", async () => {
+nightly("the text of the window is a menu", async () => {
   await page.locator('[data-view="z"]').getByRole("combobox", { name: "Window" }).selectOption("bone");
   expect((await state(page)).view.slices.window).toEqual([400, 1800]);
   await page.locator('[data-view="z"]').getByRole("combobox", { name: "Window" }).selectOption("automatic");
   expect((await state(page)).view.slices.window).toBeUndefined();
 });
 
-test("handles of the crosshair show where the pointer or the focus is, and its middle is free", async () => {
+nightly("handles of the crosshair show where the pointer or the focus is, and its middle is free", async () => {
   const opacity = (): Promise<string> => page.getByRole("slider", { name: "Coronal plane", exact: true }).evaluate((one) => getComputedStyle(one).opacity);
   await page.mouse.move(...ON_RAIL);
   expect(await opacity()).toBe("0");
@@ -286,7 +286,7 @@ test("handles of the crosshair show where the pointer or the focus is, and its m
   reaches.forEach((reach) => expect(Math.abs(reach - 12)).toBeLessThan(1.5));
 });
 
-test.each([[640, 400], [390, 844], [1280, 800]])("no two texts of slices lie over each other in a page of %i x %i", async (width, height) => {
+nightly.each([[640, 400], [390, 844], [1280, 800]])("no two texts of slices lie over each other in a page of %i x %i", async (width, height) => {
   await page.setViewportSize({ width, height });
   try {
     for (const name of ["one-and-three", "two-by-two"]) {

@@ -5,7 +5,9 @@ import { afterAll, beforeAll, beforeEach, describe, expect, test } from "vitest"
 import * as cameras from "../src/input/camera.ts";
 import { median } from "../src/view/frame_statistics.ts";
 import type { Camera, Vec3, ViewerState } from "../src/state/state.ts";
-import { atRest, change, drag, middle, openBrowser, openPanel, openViewer, startServer, state, type Browser, type Server } from "./harness.ts";
+import {
+  atRest, change, drag, middle, nightly, openBrowser, openPanel, openViewer, startServer, state, type Browser, type Server,
+} from "./harness.ts";
 import type { Page } from "playwright-core";
 
 let server: Server;
@@ -78,7 +80,7 @@ test("keys work on a page that was not clicked, and help opens at its top", asyn
 });
 
 describe("what is upright stays upright", () => {
-  test("three circles of 60 px", async () => {
+  nightly("three circles of 60 px", async () => {
     await page.keyboard.press("1");
     await settled();
     const { x, y } = await middle(page);
@@ -96,7 +98,7 @@ describe("what is upright stays upright", () => {
     expect((Math.acos(Math.min(1, up[2])) * 180) / Math.PI).toBeLessThan(1);
   });
 
-  test("a square of arrow keys ends where it began, and the trackball does not", async () => {
+  nightly("a square of arrow keys ends where it began, and the trackball does not", async () => {
     const square = async (): Promise<Camera> => {
       for (const key of ["ArrowLeft", "ArrowUp", "ArrowRight", "ArrowDown"]) for (let n = 0; n < 3; n += 1) await page.keyboard.press(key);
       return camera();
@@ -125,7 +127,7 @@ describe("one frame", () => {
     same(await settled(), left);
   });
 
-  test("keys ease for 200 ms, and come at once for those who want less motion", async () => {
+  nightly("keys ease for 200 ms, and come at once for those who want less motion", async () => {
     const path = async (key: string): Promise<number> => {
       const before = await page.evaluate(() => (document.getElementById("viewer") as unknown as { wavesplat: { store: { seq: number } } }).wavesplat.store.seq);
       const from = await camera();
@@ -144,7 +146,7 @@ describe("one frame", () => {
     same(await camera(), first.camera);
   });
 
-  test("layouts keep in view what was in view", async () => {
+  nightly("layouts keep in view what was in view", async () => {
     const seenWidth = async (): Promise<number> => {
       const { width, height } = await middle(page);
       return (2 * ((await camera()).parallel_scale ?? 0) * width) / height;
@@ -174,7 +176,7 @@ describe("one frame", () => {
   });
 });
 
-test("the wheel and a pinch magnify about the pointer", async () => {
+nightly("the wheel and a pinch magnify about the pointer", async () => {
   const { x, y, width, height } = await middle(page);
   const size = { width, height };
   const at = { x: 0.75 * width, y: 0.3 * height };
@@ -202,7 +204,7 @@ test("the wheel and a pinch magnify about the pointer", async () => {
 });
 
 describe("the cube", () => {
-  test("looks from faces, edges and corners, which have names", async () => {
+  nightly("looks from faces, edges and corners, which have names", async () => {
     const cube = page.getByRole("group", { name: "Orientation cube" });
     const places = cube.getByRole("button", { includeHidden: true });
     // Seen from the front: a face, four edges, four corners.
@@ -230,7 +232,7 @@ describe("the cube", () => {
   });
 });
 
-test("a drag with the ruler is one measure between what is seen at its ends", async () => {
+nightly("a drag with the ruler is one measure between what is seen at its ends", async () => {
   await page.getByRole("radio", { name: "Measure a distance" }).click();
   const { x, y, width, height } = await middle(page);
   await page.mouse.move(x, y + 40);
@@ -247,7 +249,7 @@ test("a drag with the ruler is one measure between what is seen at its ends", as
   await page.keyboard.press("Escape");
 });
 
-test("a corner is cut out on the side from which one looks", async () => {
+nightly("a corner is cut out on the side from which one looks", async () => {
   const middles: number[] = [];
   for (const key of ["1", "2"]) {
     await page.keyboard.press(key);
@@ -261,7 +263,7 @@ test("a corner is cut out on the side from which one looks", async () => {
   expect((middles[0] ?? 0) - (middles[1] ?? 0)).toBeGreaterThan(20);
 });
 
-test.each(["function", "slices"])("a drag draws the panel %s not anew, and takes the page less than 2 ms a frame", async (panel) => {
+nightly.each(["function", "slices"])("a drag draws the panel %s not anew, and takes the page less than 2 ms a frame", async (panel) => {
   await openPanel(page, panel);
   await atRest(page);
   await page.evaluate(() => {
@@ -289,7 +291,7 @@ test.each(["function", "slices"])("a drag draws the panel %s not anew, and takes
   expect(median(draws)).toBeLessThan(2);
 });
 
-test("undo to the end keeps the focus", async () => {
+nightly("undo to the end keeps the focus", async () => {
   await drag(page, 40, 0);
   const undo = page.getByRole("button", { name: "Undo" });
   await undo.click();

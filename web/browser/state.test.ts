@@ -6,7 +6,9 @@ import { join } from "node:path";
 
 import { afterAll, beforeAll, expect, test } from "vitest";
 
-import { atRest, change, drag, openBrowser, openViewer, python, startServer, state, type Browser, type Server } from "./harness.ts";
+import {
+  atRest, change, drag, nightly, openBrowser, openViewer, python, startServer, state, type Browser, type Server,
+} from "./harness.ts";
 
 const PANELS = ["presets", "function", "layers", "light", "cut", "slices", "measure", "share", "settings"];
 
@@ -23,7 +25,7 @@ afterAll(async () => {
   await server?.stop();
 });
 
-test("changes that draw nothing are confirmed: no word of a missing answer", async () => {
+nightly("changes that draw nothing are confirmed: no word of a missing answer", async () => {
   const page = await openViewer(browser, server.link);
   const before = await page.locator(".status").innerText();
   for (const panel of PANELS) await change(page, { op: "replace", path: "/view/interface/panels", value: [panel] });
@@ -71,7 +73,7 @@ test("a page follows another one while it is changed itself, and both end alike"
   await other.close();
 });
 
-test("the share of a picture of a lazy volume is shown while it is drawn, and gone at rest", async () => {
+nightly("the share of a picture of a lazy volume is shown while it is drawn, and gone at rest", async () => {
   const folder = mkdtempSync(join(tmpdir(), "wavesplat-lazy-"));
   const path = join(folder, "noise.ome.zarr");
   // Noise, in which no block is empty; each level is half the one before.

@@ -8,8 +8,7 @@ import { afterAll, beforeAll, beforeEach, describe, expect, test } from "vitest"
 
 import type { TransferFunction, ViewerState } from "../src/state/state.ts";
 import {
-  atRest, change, command, drag, folder, middle, openBrowser, openPanel, openViewer, pixels, pngPixels, python, records,
-  startServer, state, type Browser, type Server,
+  NIGHT, atRest, change, command, drag, folder, middle, nightly, openBrowser, openPanel, openViewer, pixels, pngPixels, python, records, startServer, state, type Browser, type Server,
 } from "./harness.ts";
 
 let server: Server;
@@ -65,7 +64,7 @@ describe("the picture at rest", () => {
     expect(differs(pngPixels(join(where, "again.png")), seen.data)).toBe(false);
   });
 
-  test("has as many pixels as the view, and no complaint was made", async () => {
+  nightly("has as many pixels as the view, and no complaint was made", async () => {
     const { width, height } = await middle(page);
     const seen = await pixels(page);
     expect([seen.width, seen.height]).toEqual([Math.round(width), Math.round(height)]);
@@ -91,7 +90,7 @@ print(json.dumps(camera.turned(azimuth=-120 / height * 180).position))`,
     camera.position.forEach((value, n) => expect(value).toBeCloseTo(expected[n] ?? NaN, 3));
   });
 
-  test("moves, magnifies and rolls", async () => {
+  nightly("moves, magnifies and rolls", async () => {
     const { camera } = first;
     await page.keyboard.down("Shift");
     await drag(page, 50, 0);
@@ -127,7 +126,7 @@ print(json.dumps(camera.turned(azimuth=-120 / height * 180).position))`,
   });
 });
 
-test("a marker follows the pointer", async () => {
+nightly("a marker follows the pointer", async () => {
   const where = folder();
   python(
     `import numpy as np, wavesplat as ws
@@ -232,14 +231,19 @@ const CONTROLS: readonly (readonly [string, string, (page: Page) => Promise<unkn
   }, (s) => s.camera.parallel_scale, true],
 ];
 
+/** By day one control of each panel is tried. */
+const onePerPanel = (all: typeof CONTROLS): typeof CONTROLS => all.filter(([, panel], n) => all.findIndex((other) => other[1] === panel) === n);
+
 describe("each control does what it says", () => {
-  test.each(CONTROLS)("%s", async (name, panel, act, read, changesPicture) => {
+  test.each(NIGHT ? CONTROLS : onePerPanel(CONTROLS))("%s", async (name, panel, act, read, changesPicture) => {
     if (name === "fit") await change(page, { op: "replace", path: "/camera/parallel_scale", value: 40 });
     await openPanel(page, panel);
     await atRest(page);
     const [before, seen] = [await state(page), await pixels(page)];
     await act(page);
     await expect.poll(async () => JSON.stringify(read(await state(page)))).not.toBe(JSON.stringify(read(before)));
+    // On a busy machine the new picture may come long after the change; a page that waits for none is at rest.
+    if (changesPicture) await expect.poll(async () => differs((await pixels(page)).data, seen.data)).toBe(true);
     await atRest(page);
     expect(differs((await pixels(page)).data, seen.data)).toBe(changesPicture);
     expect(page.complaints).toEqual([]);
@@ -291,7 +295,7 @@ describe("each control does what it says", () => {
     await expect.poll(() => page.locator(".status").innerText()).toMatch(/HU at [RL] \d/);
   });
 
-  test("a click with Ctrl puts the crosshair on what is seen", async () => {
+  nightly("a click with Ctrl puts the crosshair on what is seen", async () => {
     const { x, y } = await middle(page);
     await page.keyboard.down("Control");
     await page.mouse.click(x, y - 40);
@@ -304,7 +308,7 @@ describe("each control does what it says", () => {
     expect(Math.abs(px - first.camera.focal_point[0])).toBeLessThan(2 * pixel);
   });
 
-  test("a face of the crop box is dragged", async () => {
+  nightly("a face of the crop box is dragged", async () => {
     await openPanel(page, "cut");
     // From a little farther away, so that the upper face of the box lies below the tools.
     await change(page, { op: "replace", path: "/camera/parallel_scale", value: 1.3 * (first.camera.parallel_scale ?? 0) });
@@ -339,7 +343,7 @@ describe("each control does what it says", () => {
   });
 });
 
-test("a link opens the same state in another window, and a page that is loaded again keeps it", async () => {
+nightly("a link opens the same state in another window, and a page that is loaded again keeps it", async () => {
   // First, since the strip of looks gives its room to the picture, whose camera keeps in view what was in view.
   await openPanel(page, "share");
   await atRest(page);

@@ -9,7 +9,10 @@ use std::cell::RefCell;
 #[cfg(feature = "threads")]
 use std::sync::atomic::{AtomicUsize, Ordering};
 #[cfg(feature = "threads")]
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
+
+#[cfg(feature = "threads")]
+use crate::locks::lock;
 
 /// Calls `work` for every index of `0..n` and returns the results in order.
 pub fn map<T: Send>(n: usize, work: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
@@ -42,7 +45,7 @@ fn share<P: Send>(pieces: impl ExactSizeIterator<Item = P> + Send, work: impl Fn
         let work_off = || {
             loop {
                 // Not as the condition of the loop: that would keep the lock while a piece is worked on.
-                let piece = pieces.lock().unwrap_or_else(PoisonError::into_inner).next();
+                let piece = lock(&pieces).next();
                 let Some(piece) = piece else { return };
                 work(piece);
             }

@@ -1,8 +1,9 @@
 //! A frame of a scene: prepared, planned, drawn, warped.
 
 use std::ops::ControlFlow;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
+use wavesplat_compute::locks::{lock, unlocked};
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Composite, DepthColors, Error, Kernel, LADDER, Picture, RenderOptions, Result};
@@ -172,7 +173,7 @@ impl Scene<'_> {
                 let drawn_by = Mutex::new(DrawnBy::default());
                 let draw = |plan: &Plan, slices: &[&Slices], callback: &dyn ProgressCallback| {
                     let (pictures, report, by) = options.device.draw_base_planes(plan, slices, callback)?;
-                    *drawn_by.lock().unwrap_or_else(PoisonError::into_inner) = by;
+                    *lock(&drawn_by) = by;
                     Ok((pictures, report))
                 };
                 let (picture, report, estimate) =
@@ -181,7 +182,7 @@ impl Scene<'_> {
                 return Ok(Frame {
                     picture,
                     report,
-                    drawn_by: drawn_by.into_inner().unwrap_or_else(PoisonError::into_inner),
+                    drawn_by: unlocked(drawn_by),
                     sampling: estimate.sampling,
                     estimate: Some(estimate),
                     times: None,

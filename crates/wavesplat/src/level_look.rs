@@ -1,8 +1,9 @@
 //! Transfer function of a coarser level, which makes it as bright as the finest.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use glam::DVec3;
+use wavesplat_compute::locks::lock;
 use wavesplat_core::{Decoder, Grid, LevelGrid, Result, Shading, TransferFunction};
 use wavesplat_lod::LevelHistogram;
 use wavesplat_splat::needs_preintegration;
@@ -89,7 +90,7 @@ impl LevelBrightness {
         tf: &TransferFunction,
         shading: Option<&Shading>,
     ) -> Result<(TransferFunction, bool)> {
-        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut latest = lock(&self.latest);
         if let Some(known) = &*latest
             && (&known.of, known.shading.as_ref()) == (tf, shading)
         {

@@ -1,6 +1,6 @@
 //! A level of detail, or a band, of a volume of wavelet coefficients, decoded while it is drawn.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_core::{Decoder, Grid, Kernel, LevelGrid, Result, Shading, Statistics, TransferFunction};
@@ -12,6 +12,7 @@ use wavesplat_wavelet::{CoarseLevel, CoefficientDecoder, WaveletError, WaveletVo
 
 use crate::error::LevelError;
 use crate::level_look::LevelBrightness;
+use wavesplat_compute::locks::lock;
 
 /// A level of a volume, with its caches between frames.
 pub struct LevelVolume {
@@ -112,7 +113,7 @@ impl LevelVolume {
 
     /// Slices for a kernel, kept until another kernel is asked for.
     pub fn slices(&self, kernel: Kernel) -> Slices<'static> {
-        let mut kept = self.slices.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = lock(&self.slices);
         if let Some(slices) = kept.as_ref().filter(|slices| slices.kernel() == kernel) {
             return slices.clone();
         }

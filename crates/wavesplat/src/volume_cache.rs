@@ -1,7 +1,8 @@
 //! Cache of data that is computed from a volume's samples once and kept from frame to frame.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
+use wavesplat_compute::locks::lock;
 use wavesplat_core::{Grid, Kernel, TransferFunction, Volume};
 use wavesplat_splat::needs_preintegration;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
@@ -22,7 +23,7 @@ pub struct VolumeCache {
 impl VolumeCache {
     /// Slices for a kernel; their data is prepared with the first picture and kept.
     pub fn slices<'a>(&self, volume: &Volume<'a>, kernel: Kernel) -> Slices<'a> {
-        let mut prepared = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut prepared = lock(&self.prepared);
         let known = prepared.iter().find(|(k, _)| *k == kernel).map(|(_, known)| known.clone());
         let known = known.unwrap_or_else(|| {
             let new = Arc::new(Prepared::new(volume, kernel));
@@ -34,13 +35,13 @@ impl VolumeCache {
 
     /// Whether a transfer function needs pre-integration; kept until another function is asked for.
     pub(crate) fn needs_preintegration(&self, grid: &Grid, tf: &TransferFunction) -> bool {
-        let known = self.steep.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = lock(&self.steep);
         if let Some((_, needs_preintegration)) = known.as_ref().filter(|(of, _)| of == tf) {
             return *needs_preintegration;
         }
         drop(known);
         let needs_preintegration = needs_preintegration(grid, tf);
-        *self.steep.lock().unwrap_or_else(PoisonError::into_inner) = Some((tf.clone(), needs_preintegration));
+        *lock(&self.steep) = Some((tf.clone(), needs_preintegration));
         needs_preintegration
     }
 }

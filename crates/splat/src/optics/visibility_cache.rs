@@ -5,7 +5,7 @@
 
 use std::ops::Deref;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use wavesplat_core::{Grid, Result, TransferFunction};
 
@@ -14,6 +14,7 @@ use crate::optics::slab_variation::{has_thin_parts, slab_of_the_finest, varies};
 use crate::source::field::Field;
 use crate::source::min_max_bricks::{Bricks, VisibleRanges};
 use crate::source::slices::Slices;
+use wavesplat_compute::locks::lock;
 
 /// Key of an openness field: its radius, and the numbers of the other layers.
 type OpennessKey = (f64, Vec<u64>);
@@ -62,7 +63,7 @@ impl TabulatedFunction {
     }
 
     fn varies(&self, slab_thickness: f64) -> bool {
-        let mut known = self.varying.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut known = lock(&self.varying);
         if let Some((_, varies)) = known.iter().find(|(of, _)| *of == slab_thickness) {
             return *varies;
         }
@@ -78,7 +79,7 @@ impl TabulatedFunction {
         others: Vec<u64>,
         make: impl FnOnce() -> Result<Field<'static>>,
     ) -> Result<Field<'static>> {
-        let mut kept = self.openness.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = lock(&self.openness);
         let key = (radius, others);
         match &*kept {
             Some((of, field)) if *of == key => Ok(field.clone()),
@@ -129,7 +130,7 @@ impl VisibilityCache {
                 == (slices.id(), density_from_sample, slab_thickness)
                 && key.tf == *tf
         };
-        let mut latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut latest = lock(&self.0);
         if let Some(k) = latest.iter().position(|(key, _)| is_known(key)) {
             latest[..=k].rotate_right(1);
             return latest[0].1.clone();

@@ -4,8 +4,9 @@
 //! are evicted first. Blocks hold the values that the kernel works on: densities, or spline coefficients.
 
 use std::ops::Range;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 
+use wavesplat_compute::locks::lock;
 use wavesplat_compute::parallel;
 use wavesplat_core::{Decoder, Grid, Kernel};
 
@@ -154,7 +155,7 @@ impl Blocks {
 
     /// Blocks by their ranges along x, y, z, z slowest; new ones are empty. May evict others.
     fn request(&self, [xs, ys, zs]: [Range<usize>; 3]) -> Vec<CachedBlock> {
-        let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut held = lock(&self.held);
         held.now += 1;
         let now = held.now;
         let mut blocks = Vec::with_capacity(xs.len() * ys.len() * zs.len());

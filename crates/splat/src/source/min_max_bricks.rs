@@ -8,8 +8,9 @@
 //! range, rounded outwards.
 
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
+use wavesplat_compute::locks::lock;
 use wavesplat_compute::simd::Level;
 use wavesplat_compute::{extent, parallel};
 use wavesplat_core::Kernel;
@@ -342,7 +343,7 @@ impl Bricks {
 
     /// Occupancy of the bricks whose range of densities passes, laid out for sheets along `axes` (u, v, w).
     pub fn occupied(&self, axes: [usize; 3], passing: &VisibleRanges) -> Arc<OccupancyGrid> {
-        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut latest = lock(&self.latest);
         if let Some(known) = latest.iter().find(|known| (known.axes, &known.passing) == (axes, passing)) {
             return known.occupied.clone();
         }

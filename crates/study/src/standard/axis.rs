@@ -4,8 +4,9 @@
 //! The footprint `h(u) h(v)` is separable, so the samples of a row are splatted along u together, and the row along v.
 //! Work is cut into tiles, each with all its sheets front to back; chunks are rows of 16 texels.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
+use wavesplat_compute::locks::{lock, unlocked};
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel};
 use wavesplat_core::{Error, Result};
@@ -41,7 +42,7 @@ pub fn draw_plane(family: &FamilyScene, plane: &BasePlane, progress: &Progress) 
         }
         let first = [t % n_tiles_u * TILE_U, t / n_tiles_u * TILE_V];
         if let Some((tile, n_splats)) = draw_tile(family, plane, &table, first) {
-            let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut all = lock(&all);
             let (picture, n_all) = &mut *all;
             *n_all += n_splats;
             for strip in 0..N_STRIPS {
@@ -58,7 +59,7 @@ pub fn draw_plane(family: &FamilyScene, plane: &BasePlane, progress: &Progress) 
     if progress.is_stopped() {
         return Err(Error::Cancelled);
     }
-    Ok(all.into_inner().unwrap_or_else(PoisonError::into_inner))
+    Ok(unlocked(all))
 }
 
 /// Associated colour and opacity of a tile, chunk by chunk.

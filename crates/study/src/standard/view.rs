@@ -10,9 +10,10 @@
 //! Work is cut into tiles of the picture. A tile goes through its samples slice by slice, front to back, keeps what is
 //! visible in the bin of its slab, and composites a slab when no slice to come can add to it.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use glam::{DMat3, DVec3, Vec4};
+use wavesplat_compute::locks::{lock, unlocked};
 use wavesplat_compute::parallel;
 use wavesplat_core::{Error, Result};
 use wavesplat_splat::render::progress::{Progress, ProgressCallback};
@@ -74,7 +75,7 @@ pub fn draw(
         let (Some(family), false) = (family, progress.is_stopped()) else { return };
         let mut tile = ViewTile::new(&view, first(t));
         if tile.draw(&view, family) {
-            let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut all = lock(&all);
             let (texels, n_splats, [nearest, furthest]) = &mut *all;
             tile.put(texels, size[0]);
             *n_splats += tile.n_splats;
@@ -85,7 +86,7 @@ pub fn draw(
     if progress.is_stopped() {
         return Err(Error::Cancelled);
     }
-    let (texels, n_splats, [nearest, furthest]) = all.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let (texels, n_splats, [nearest, furthest]) = unlocked(all);
     report.n_splats += n_splats;
     report.n_sheets.push((furthest.saturating_sub(nearest) + 1).max(0) as usize);
     Ok(if size == pixels { texels } else { resample(&texels, size, pixels) })

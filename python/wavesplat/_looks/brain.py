@@ -112,9 +112,10 @@ def _brain(places: Floats, spacing: list[float], heights: Floats) -> Mask | str 
     """The brain without its sulci, or why none is found; None where there is no skull around it."""
     low, high = np.percentile(places, RANGE)
     head = places > low + HEAD_SHARE * (high - low)
-    if not head.any():
+    whole = _largest(head, head)
+    if whole is None:
         return "the values are nearly all alike"
-    head = _largest(head)
+    head = whole
     below = np.percentile(heights[head], 99.9) - heights
     ml = float(np.prod(spacing)) / 1000
     upper = head & (below < UPPER_MM)
@@ -133,7 +134,7 @@ def _brain(places: Floats, spacing: list[float], heights: Floats) -> Mask | str 
         tissue = (even > share * np.median(even[near])) & (below < BRAIN_MM)
         inside = _distances(tissue, spacing)
         for radius in RADII_MM:
-            core = _in_middle(inside > radius, near)
+            core = _largest(inside > radius, near)
             if core is None:
                 break
             # Surfaces run through places, of which erosion and closing take up to one more than their radii.
@@ -186,25 +187,12 @@ def _blurred(values: Floats, spacing: list[float]) -> Floats:
     return blurred
 
 
-def _parts(mask: Mask) -> tuple[NDArray[Any], int]:
-    """Numbers of the connected parts, from 1, and how many numbers there are."""
+def _largest(mask: Mask, near: Mask) -> Mask | None:
+    """The connected part with most places in `near`; None where none is there."""
     import SimpleITK as sitk  # noqa: N813 - its own short name
 
     parts = sitk.GetArrayFromImage(sitk.ConnectedComponent(sitk.GetImageFromArray(mask.astype(np.uint8)), False))
-    return parts, int(parts.max()) + 1
-
-
-def _largest(mask: Mask) -> Mask:
-    parts, _ = _parts(mask)
-    sizes = np.bincount(parts.ravel())
-    sizes[0] = 0
-    return np.asarray(parts == sizes.argmax())
-
-
-def _in_middle(mask: Mask, near: Mask) -> Mask | None:
-    """The connected part with most places near the middle."""
-    parts, n = _parts(mask)
-    sizes = np.bincount(parts[near], minlength=n)
+    sizes = np.bincount(parts[near], minlength=1)
     sizes[0] = 0
     return np.asarray(parts == sizes.argmax()) if sizes.any() else None
 

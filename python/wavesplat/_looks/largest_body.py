@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from wavesplat._files.libraries import library
 from wavesplat._files.values import number
 from wavesplat._looks.histogram import finite_samples, is_hounsfield, robust_range
+from wavesplat._looks.tables import empty_at, nearest_places
 from wavesplat._looks.thresholds import otsu
 from wavesplat._model import units
 from wavesplat._model.argument_types import takes_its_types
@@ -137,16 +138,9 @@ def _steps(volume: Volume, millimetre: float) -> tuple[int, int, int]:
 
 
 def _emptied(volume: Volume, kept: NDArray[np.bool_], steps: tuple[int, int, int]) -> NDArray[Any]:
-    nearest = [
-        np.minimum((np.arange(n) + step // 2) // step, n_coarse - 1)
-        for n, step, n_coarse in zip(volume.shape, steps, kept.shape, strict=True)
-    ]
     samples = volume.samples.copy()
-    empty = samples.dtype.type(volume.value_range[0])
-    for z, k in enumerate(nearest[0]):
-        outside = ~kept[k][np.ix_(nearest[1], nearest[2])]
-        # NaN and infinity stay as they are.
-        samples[z][outside & np.isfinite(samples[z])] = empty
+    places = [nearest_places(*sizes) for sizes in zip(volume.shape, steps, kept.shape, strict=True)]
+    empty_at(samples, ~kept, places, samples.dtype.type(volume.value_range[0]))
     return samples
 
 

@@ -25,6 +25,8 @@ from wavesplat._looks.tables import (
     SLICE_MM,
     Places,
     decided_by,
+    empty_at,
+    has_grid_of,
     may_have_table,
     out_of,
     without_table,
@@ -55,11 +57,7 @@ def without_table_in_parts(
     if not may_have_table(volume):
         return None
     if isinstance(volume, LazyVolume):
-        is_alike = (
-            isinstance(decided_on, LazyVolume)
-            and decided_on.shape == volume.shape
-            and np.array_equal(decided_on.world_from_index, volume.world_from_index)
-        )
+        is_alike = isinstance(decided_on, LazyVolume) and has_grid_of(volume, decided_on)
         return _read(volume, decided_on if is_alike and isinstance(decided_on, LazyVolume) else volume)
     is_whole = volume.left_out == 0 and not volume.is_detail
     is_small = math.prod(volume.shape) * np.dtype(np.float32).itemsize <= LARGEST
@@ -172,18 +170,16 @@ class EmptiedArray:
 
     def _emptied(self, samples: NDArray[Any], box: Box) -> NDArray[Any]:
         """The samples of a box that were read, or an emptied copy."""
-        if not self._places_in(box).any():
+        if not self.out[np.ix_(*self._places_in(box))].any():
             return samples
         emptied = np.array(samples)
         self._empty(emptied, box)
         return emptied
 
     def _empty(self, samples: NDArray[Any], box: Box) -> None:
-        """Empty the samples of a box; NaN and infinity stay as they are."""
-        out = self._places_in(box)
-        if out.any():
-            samples[out & np.isfinite(samples)] = self.value
+        """Empty the samples of a box."""
+        empty_at(samples, self.out, self._places_in(box), self.value)
 
-    def _places_in(self, box: Box) -> Mask:
-        """Whether each sample of a box is emptied."""
-        return self.out[np.ix_(*(at[a:b] for at, a, b in zip(self.places, *box, strict=True)))]
+    def _places_in(self, box: Box) -> list[NDArray[np.intp]]:
+        """Along each axis the number of the place of each sample of a box."""
+        return [at[a:b] for at, a, b in zip(self.places, *box, strict=True)]

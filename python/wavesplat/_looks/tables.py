@@ -15,6 +15,7 @@ table that touches the body along its whole width. It needs NumPy only, and some
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -73,7 +74,7 @@ def without_table(volume: Volume, decided_by: Volume | None = None) -> Volume | 
     decided_by : of a series the volume whose table is used at all times, so that the table does not come and go; it
         counts where it has the same grid. What is thick at the volume's own time stays. None is the volume itself.
     """
-    reference = decided_by if decided_by is not None and _has_grid_of(volume, decided_by) else volume
+    reference = decided_by if decided_by is not None and has_grid_of(volume, decided_by) else volume
     key = "without table", id(reference) if reference is not volume else 0
     if key not in volume._parts:
         # The reference with it, so that another volume does not get its identity.
@@ -82,7 +83,8 @@ def without_table(volume: Volume, decided_by: Volume | None = None) -> Volume | 
     return None if isinstance(found, str) else found
 
 
-def _has_grid_of(volume: Volume, other: Volume) -> bool:
+def has_grid_of(volume: Volume, other: Volume) -> bool:
+    """Whether two volumes have the same samples' places."""
     return volume.shape == other.shape and np.array_equal(volume.world_from_index, other.world_from_index)
 
 
@@ -224,9 +226,8 @@ class Places:
         found = [np.empty(0, np.intp)] * 3
         across = [step * k for step, k in zip(self.steps[1:], self.together, strict=True)]
         for axis, way, step in zip(self.order, self.turned, (self.steps[0], *across), strict=True):
-            n = np.arange(shape[axis])
-            is_slice = axis == self.order[0]
-            at = np.minimum((n + step // 2) // step, n_slices - 1) if is_slice else n // step
+            n = shape[axis]
+            at = nearest_places(n, step, n_slices) if axis == self.order[0] else np.arange(n) // step
             found[axis] = at[way]
         return found
 
@@ -251,11 +252,22 @@ class Places:
             np.arange(start, start + n) // step
             for start, n, step in zip((top, left), part.shape[1:], steps, strict=True)
         )
-        at = np.minimum((np.arange(len(view)) + self.steps[0] // 2) // self.steps[0], len(out) - 1)
-        for plane, k in zip(part, at, strict=True):
-            # NaN and infinity stay as they are.
-            is_out = out[k][np.ix_(row, column)] & np.isfinite(plane)
-            plane[is_out] = value
+        empty_at(part, out, (nearest_places(len(view), self.steps[0], len(out)), row, column), value)
+
+
+def nearest_places(n: int, step: int, n_places: int) -> NDArray[np.intp]:
+    """Number of the place next to each of `n` samples; every `step`-th sample is a place."""
+    return np.minimum((np.arange(n) + step // 2) // step, n_places - 1)
+
+
+def empty_at(samples: NDArray[Any], out: Mask, places: Sequence[NDArray[np.intp]], value: float) -> None:
+    """Give the samples at some places a value; NaN and infinity stay as they are.
+
+    places : along each axis the number of the place of each sample.
+    """
+    # Plane by plane, since a mask of all samples takes memory.
+    for plane, k in zip(samples, places[0], strict=True):
+        plane[out[k][np.ix_(*places[1:])] & np.isfinite(plane)] = value
 
 
 def _is_wall(y: NDArray[np.intp], x: NDArray[np.intp], body_at: Mask) -> bool:

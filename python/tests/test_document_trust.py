@@ -369,13 +369,18 @@ def test_the_command_line_draws_again_what_lies_elsewhere(wavesplat, place):
 
 def test_the_viewer_opens_states_so(place):
     from wavesplat._cli import view
+    from wavesplat._cli.opened_layers import OpeningOptions
+    from wavesplat._cli.reader_options import ReaderOptions
+    from wavesplat._cli.scene_options import SceneOptions
+    from wavesplat._cli.view_options import ViewOptions
 
     volume, _ = elsewhere(place)["absolute"]
     path = written(place, volume)
-    given = {"input": None, "state": path, "example": None, "options": {}, "showing": None, "viewing": None}
+    own = view.OpenedOptions(state=path)
+    trusting = SceneOptions(OpeningOptions(reader=ReaderOptions(external_files=True)))
     with pytest.raises(FileError, match="lies outside of the document's folder"):
-        view._opened(**given, colors=None, external_files=False)
-    opened = view._opened(**given, colors=None, external_files=True)
+        view._opened(None, own, SceneOptions(), ViewOptions(), quiet=True)
+    opened = view._opened(None, own, trusting, ViewOptions(), quiet=True)
     np.testing.assert_array_equal(samples_of(opened.scene), SAMPLES)
 
 

@@ -9,7 +9,7 @@ import pytest
 import typer
 
 import wavesplat as ws
-from wavesplat._cli import COMMANDS, command_hints, option_hints, options_of, parsers
+from wavesplat._cli import COMMANDS, hints, options_of, parsers
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def options():
     ],
 )
 def test_what_is_meant(options, command, option, said):
-    assert option_hints.hint(option, command, options) == said
+    assert hints.of_option(option, command, options) == said
 
 
 @pytest.mark.parametrize(
@@ -74,13 +74,13 @@ def test_an_unknown_command_comes_with_a_hint(wavesplat, name, said):
 
 
 def test_hints_name_commands_that_there_are(options):
-    assert sorted(set(command_hints.WORDS.values()) - set(options)) == []
-    assert sorted(set(command_hints.WORDS) & set(options)) == []
+    assert sorted(set(hints.COMMANDS.values()) - set(options)) == []
+    assert sorted(set(hints.COMMANDS) & set(options)) == []
 
 
 def test_hints_name_options_that_there_are(options):
     known = {option for own in options.values() for option in own}
-    offered = {text.split(" ")[0] for texts in option_hints.WORDS.values() for text in texts}
+    offered = {text.split(" ")[0] for texts in hints.OPTIONS.values() for text in texts}
     assert sorted(offered - known) == []
 
 

@@ -18,7 +18,7 @@ from figure_pictures import (
 from PIL import Image
 
 import wavesplat as ws
-from wavesplat._cli.outputs import check_outputs
+from wavesplat._cli.printing import check_outputs
 from wavesplat._picture import raster
 from wavesplat._picture.marks import UPWARDS, Canvas, Polygon, Ramp, Rectangle, Text, disc
 from wavesplat._picture.report_facts import View

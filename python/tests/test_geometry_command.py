@@ -64,7 +64,10 @@ def test_words_of_lines_slices_and_frames(here):
             "has 'reddish', which is no colour, colour map, opacity or size; it is FILE",
         ),
         ({"points": ["spots.csv:2"]}, "has '2': an opacity is 0..1, and a size has a unit, as 2px or 2mm"),
-        ({"points": ["spots.csv:2furlong"]}, "'2furlong', whose unit is unknown; give px, um, mm"),
+        (
+            {"points": ["spots.csv:2furlong"]},
+            "2 furlong, whose unit is unknown; give um, mm or another length, or give a",
+        ),
         ({"points": ["spots.csv:hot"]}, "has a colour map and no values; say which, as values=NAME"),
         ({"points": ["spots.csv:red:blue"]}, "says its color twice, the second time as 'blue'"),
         ({"points": ["spot.csv:red"]}, "begins with no file that is there; it is FILE"),

@@ -113,13 +113,15 @@ def test_what_cannot_work_is_said(options, message):
         ("12", 12),
         ("10,20.5,-3", (10, 20.5, -3)),
         ("5.5", (5.5,)),
+        ("1mm:2mm:0.5mm", (1, 1.5, 2)),
     ],
 )
 def test_positions_on_the_command_line(text, positions):
-    assert parsers.positions(text) == pytest.approx(positions)
+    found = parsers.positions(text)
+    assert (found if isinstance(found, int) else [one.number for one in found]) == pytest.approx(positions)
 
 
-@pytest.mark.parametrize("text", ["a", "1:2", "1:2:0", "2:1:1", "", "nan:1:1"])
+@pytest.mark.parametrize("text", ["a", "1:2", "1:2:0", "2:1:1", "", "nan:1:1", "1mm:2:1", "1,2mm"])
 def test_what_are_no_positions(text):
     import typer
 
@@ -147,6 +149,37 @@ def test_the_command_line_makes_sheets(wavesplat, tmp_path):
         assert (done.returncode, message in done.stderr) == (2, True)
     done = wavesplat("slice", tmp_path / "a.nrrd", "-o", tmp_path / "b.png", "--columns", "2")
     assert "--columns is for several slices" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("plain", "with_units"),
+    [
+        (["--position", "12", "--thickness", "6"], ["--position", "1.2cm", "--thickness", "6000um"]),
+        (["--positions", "5:15:10"], ["--positions", "0.5cm:1.5cm:1cm"]),
+    ],
+)
+def test_lengths_are_in_the_unit_of_the_volume_or_in_their_own(tmp_path, plain, with_units):
+    from typer.testing import CliRunner
+
+    from wavesplat._cli import app
+
+    SCAN.save(tmp_path / "a.nrrd")
+    pictures = []
+    for options in (plain, with_units):
+        done = CliRunner().invoke(app, ["slice", f"{tmp_path}/a.nrrd", *options, "-o", f"{tmp_path}/a.png", "-q"])
+        assert done.exit_code == 0, done.exception
+        pictures.append((tmp_path / "a.png").read_bytes())
+    assert pictures[0] == pictures[1]
+
+
+def test_a_length_needs_a_unit_that_can_be_compared():
+    assert parsers.length("0.5 mm").in_world("um", "it") == 500
+    assert parsers.length("65mm").in_world("m", "it") == 0.065
+    assert parsers.length("2kpc").in_world("kpc", "it") == 2
+    with pytest.raises(ArgumentError, match="it is 2 kpc, whose unit is unknown; give um, mm or another length"):
+        parsers.length("2kpc").in_world("mm", "it")
+    with pytest.raises(ArgumentError, match="it is 2 mm, and the volume's file names no unit; give it with --unit"):
+        parsers.length("2mm").in_world(None, "it")
 
 
 def test_contours_and_isolines_are_those_of_each_slice():

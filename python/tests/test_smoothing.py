@@ -140,9 +140,12 @@ def test_other_commands_smooth_too(wavesplat, ramp_file, tmp_path, command):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--smooth", "thick"], "'thick' is not a number of voxels or a length"),
-        (["--smooth", "1.2.3mm"], "'1.2.3mm' is not a number of voxels or a length"),
-        (["--smooth", "1kpc"], "--smooth is 1 kpc, and the file is in mm, or give --smooth in voxels"),
+        (["--smooth", "thick"], "'thick' is not a number or a length"),
+        (["--smooth", "1.2.3mm"], "'1.2.3mm' is not a number or a length"),
+        (
+            ["--smooth", "1kpc"],
+            "--smooth is 1 kpc, whose unit is unknown; give um, mm or another length, or give it in voxels",
+        ),
         (["--smooth", "99"], "deviation is 99 voxels"),
     ],
 )

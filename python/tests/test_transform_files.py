@@ -9,10 +9,9 @@ import pytest
 import SimpleITK as sitk  # noqa: N813 - its usual name
 
 import wavesplat as ws
-from wavesplat._cli import registered
-from wavesplat._cli.label_options import opened_labels
+from wavesplat._cli import layer_options as layers
 from wavesplat._cli.layer_options import LayerText, further_layers, layer_of
-from wavesplat._cli.line_options import opened_contours, opened_isolines
+from wavesplat._cli.line_options import LabelOptions, opened_contours, opened_isolines, opened_labels
 from wavesplat.errors import ArgumentError, FileError, WavesplatWarning
 
 with warnings.catch_warnings():
@@ -308,7 +307,7 @@ def test_what_is_no_transform_or_threshold(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "pet.nii").touch()
     with pytest.raises(ArgumentError, match="lacks a file"):
-        registered.split("pet.nii:reg=", "--layer")
+        layers.split_transform("pet.nii:reg=", "--layer")
     with pytest.raises(ArgumentError, match="threshold 'three' of .* is no number"):
         layer_of("pet.nii:threshold=three")
 
@@ -324,7 +323,7 @@ def test_layers_labels_contours_and_isolines_take_a_transform(tmp_path):
     (layer,) = further_layers([f"{tmp_path}/seg.nii.gz:hot:0,1:reg={tmp_path}/a.tfm"], scan, time=0, quiet=True)
     (lines,) = opened_isolines([f"{tmp_path}/seg.nii.gz:0.5:reg={tmp_path}/a.tfm"], scan, time=0, quiet=True)
     (contours,) = opened_contours(text, None, None, scan, quiet=True)
-    labels = opened_labels(text, None, None, scan, quiet=True)
+    labels = opened_labels(LabelOptions(text), scan, quiet=True)
     for found in (layer.drawn, lines.volume, contours, labels):
         np.testing.assert_allclose(found.world_from_index, FIXED, atol=1e-4)
 

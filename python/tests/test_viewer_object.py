@@ -141,18 +141,16 @@ def test_the_command_prints_a_link_and_ends_by_ctrl_c(tmp_path):
 
 
 def test_the_command_opens_all_times(tmp_path):
-    from wavesplat._cli.layer_options import LayerOptions
-    from wavesplat._cli.opened_layers import opened_layers
-    from wavesplat._cli.processing_options import ProcessingOptions
+    from wavesplat._cli.opened_layers import OpeningOptions, opened_layers
     from wavesplat._cli.reader_options import ReaderOptions
 
     samples = np.stack([np.roll(viewer_fakes.ball(12).samples, step, 0) for step in range(3)], -1)
     nibabel.save(nibabel.Nifti1Image(samples, np.eye(4)), tmp_path / "times.nii")
     path = str(tmp_path / "times.nii")
     how = {"composite": None, "quiet": True}
-    series = opened_layers(path, ReaderOptions(), LayerOptions(), ProcessingOptions(), all_times=True, **how)
+    series = opened_layers(path, OpeningOptions(), all_times=True, **how)
     assert len(series) == 3
-    one = opened_layers(path, ReaderOptions(time=1), LayerOptions(), ProcessingOptions(), all_times=True, **how)
+    one = opened_layers(path, OpeningOptions(reader=ReaderOptions(time=1)), all_times=True, **how)
     assert one.shape == (12, 12, 12)
     with ws.view(ws.Layer(series), browser=False) as viewer:
         page = viewer_fakes.Page(viewer._session)

@@ -11,14 +11,8 @@ import viewer_fakes
 from opening_pages import Asker, nifti_of, scan_samples, started_page
 
 import wavesplat as ws
-from wavesplat._cli.crop_options import CutOptions
-from wavesplat._cli.layer_options import LayerOptions
-from wavesplat._cli.light_options import LightOptions
-from wavesplat._cli.processing_options import ProcessingOptions
-from wavesplat._cli.reader_options import ReaderOptions
 from wavesplat._cli.scene_options import SceneOptions
-from wavesplat._cli.transfer_function_options import ColorOptions
-from wavesplat._cli.view import _opened
+from wavesplat._cli.view import OpenedOptions, _opened
 from wavesplat._cli.view_options import ViewOptions
 from wavesplat._viewer import start_page
 from wavesplat._viewer.notebook import _Pages
@@ -67,22 +61,8 @@ def test_a_file_begins_the_session_as_the_command_opens_it(started, tmp_path):
 
 def state_of_the_command(path):
     """The state that `wavesplat view PATH` begins with."""
-    return _opened(
-        str(path),
-        None,
-        None,
-        external_files=False,
-        options={"quality": "normal", "kernel": "linear"},
-        showing=SceneOptions(),
-        viewing=ViewOptions(),
-        colors=ColorOptions(),
-        layering=LayerOptions(),
-        cuts=CutOptions(),
-        lighting=LightOptions(),
-        reader=ReaderOptions(),
-        processing=ProcessingOptions(),
-        quiet=True,
-    )
+    own = OpenedOptions(quality="normal", kernel="linear")
+    return _opened(str(path), own, SceneOptions(), ViewOptions(), quiet=True)
 
 
 def test_examples_are_opened_and_have_pictures(started):

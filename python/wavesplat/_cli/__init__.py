@@ -1,4 +1,4 @@
-"""The command line: `wavesplat` render, view, movie, slice, info, presets and others, a module for each command.
+"""The command line: `wavesplat` render, view, movie, slice, info, presets and others, a module for each.
 
 Results go to stdout; messages, errors and the progress bar to stderr.
 A command's module is imported, and its options are made, when the command is run; everything but argument parsing is
@@ -17,12 +17,10 @@ from importlib import import_module
 from typing import Annotated, Any, NoReturn
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from wavesplat._cli.printing import message, print_lines, take_any_name
 from wavesplat.errors import ArgumentError, WavesplatError, WavesplatWarning
-
-__all__ = ["COMMANDS", "app", "command_of", "main", "options_of"]
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE, EXIT_INTERRUPTED = 0, 1, 2, 130
 
@@ -60,6 +58,22 @@ COMMANDS = (
 OBJECTS_BETWEEN_COLLECTIONS = 50_000
 
 
+class _Command(TyperCommand):
+    """A command whose help lists options by the titles of their groups."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        listed: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": []}
+        for parameter in self.get_params(ctx):
+            title = "Arguments" if parameter.param_type_name == "argument" else "Options"
+            record = parameter.get_help_record(ctx)
+            if record is not None:
+                listed.setdefault(getattr(parameter, "rich_help_panel", None) or title, []).append(record)
+        for title, records in listed.items():
+            if records:
+                with formatter.section(title):
+                    formatter.write_dl(records)
+
+
 class _Commands(TyperGroup):
     """The commands, whose options are made when they are asked for; unknown ones come with a hint."""
 
@@ -71,18 +85,21 @@ class _Commands(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            from wavesplat._cli.command_hints import hint
+            from wavesplat._cli import hints
 
-            raise ArgumentError(f"no such command: {args[0]}; {hint(args[0], COMMANDS)}")
+            raise ArgumentError(f"no such command: {args[0]}; {hints.of_command(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)
 
 
 @cache
 def command_of(name: str) -> Any:
     """A command with its options."""
+    from wavesplat._cli.option_groups import expanded
+
     function = name.replace("-", "_")
+    command = expanded(getattr(import_module(f"wavesplat._cli.{function}"), function))
     alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-    alone.command(name, epilog=EPILOG)(getattr(import_module(f"wavesplat._cli.{function}"), function))
+    alone.command(name, cls=_Command, epilog=EPILOG)(command)
     return typer.main.get_command(alone)
 
 
@@ -193,10 +210,10 @@ def _explained(error: BaseException) -> tuple[str, int]:
 
 def _unknown_option_message(error: Any) -> str:
     """The message for an unknown option."""
-    from wavesplat._cli.option_hints import hint
+    from wavesplat._cli import hints
 
     context = error.ctx
     if context.parent is None:
         return f"no such option: {error.option_name}; see wavesplat --help"
     options = {name: options_of(name) for name in COMMANDS}
-    return f"no such option: {error.option_name}; {hint(error.option_name, context.info_name, options)}"
+    return f"no such option: {error.option_name}; {hints.of_option(error.option_name, context.info_name, options)}"

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import inspect
+import os
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import typer
-
-from wavesplat._cli.input_names import stem_of
-from wavesplat._cli.printing import message, print_result
+from wavesplat._cli.option_groups import option
+from wavesplat._cli.printing import check_outputs, message, print_result
 from wavesplat._files.addresses import is_address, safe_address
 from wavesplat.errors import ArgumentError, WavesplatError
 
@@ -24,57 +23,38 @@ if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
     from wavesplat._scene.layer import Layer
 
-__all__ = ["Batch", "BatchOptions", "batch_of", "batch_parameters"]
-
 #: Opens an input, with the looks that its layers shall have, or those of its own; the last argument: say nothing.
 Choose = Callable[[str, "Sequence[Look] | None", bool], "ChosenScene"]
 FIRST, BRIGHTEST = "first", "brightest"
 #: Bytes of a pixel while a sheet is made: the picture itself, and its place on the sheet.
 BYTES_OF_PIXEL = 32
+#: Suffixes that belong to the one after them, as in .nii.gz.
+DOUBLE = re.compile(r"(\.ome)?\.zarr$|\.(nii|img|hdr|ome|seg)$", re.IGNORECASE)
 
 
-@dataclass(frozen=True)
+@dataclass(repr=False)
 class BatchOptions:
     """Options of several pictures that are to be compared."""
 
-    same_look: Annotated[
-        str | None,
-        typer.Option(
-            metavar="first|brightest|FILE",
-            help="Draw all inputs with one look, colours and windows included: that of the first or the brightest of "
-            "them, or of another volume.",
-        ),
-    ] = None
-    sheet: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="OUT",
-            help="Also put all pictures on one sheet, each with the name of its input, or the number of a patient's.",
-        ),
-    ] = None
-    caption: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TEXT", help="What stands below each picture of the sheet; {stem}, {number}, ... as in --output."
-        ),
-    ] = None
+    TITLE: ClassVar = "Several inputs"
 
-
-def batch_parameters() -> list[inspect.Parameter]:
-    """The options, as parameters of a command."""
-    hints = get_type_hints(BatchOptions, include_extras=True)
-    return [
-        inspect.Parameter(one.name, inspect.Parameter.KEYWORD_ONLY, default=one.default, annotation=hints[one.name])
-        for one in fields(BatchOptions)
-    ]
+    same_look: str | None = option(
+        "first|brightest|FILE",
+        "Draw all inputs with one look, colours and windows included: that of the first or the brightest of them, or "
+        "of another volume.",
+    )
+    sheet: Path | None = option(
+        "OUT", "Also put all pictures on one sheet, each with the name of its input, or the number of a patient's."
+    )
+    caption: str | None = option(
+        "TEXT", "What stands below each picture of the sheet; {stem}, {number}, ... as in --output."
+    )
 
 
 def batch_of(inputs: Sequence[str], options: dict[str, Any]) -> Batch:
     """The batch of some inputs; takes its options out of those of the command."""
     own = BatchOptions(**{one.name: options.pop(one.name) for one in fields(BatchOptions)})
     if own.sheet is not None:
-        from wavesplat._cli.outputs import check_outputs
-
         for input in inputs:
             check_outputs(input, own.sheet, "pictures", option="--sheet")
     elif own.caption is not None:
@@ -226,3 +206,15 @@ def _distinct_names(inputs: Sequence[str]) -> list[str]:
         if len(set(names)) == len(set(inputs)):
             return names
     return [path.name for path in paths]
+
+
+def stem_of(input: str) -> str:
+    """Name of an input without its suffixes."""
+    path = Path(input) if is_address(input) else Path(os.path.expanduser(input))  # noqa: PTH111
+    stem = path.name if is_folder(path) and path.suffix.lower() != ".zarr" else path.stem
+    return DOUBLE.sub("", stem)
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a path is a folder; False for impossible names, which fail where they are opened or written."""
+    return os.path.isdir(path)  # noqa: PTH112

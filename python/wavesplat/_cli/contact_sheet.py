@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["drawn", "sheet_of"]
-
 #: Grey of the sheet around and between pictures, and width of these gaps, pixels.
 GREY, GAP_PX = 0.25, 2
 #: Preferred ratio of a sheet's width to its height, and weight of empty places in the choice of columns.

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.parsers import one_of
-from wavesplat._cli.printing import is_terminal, message, print_result, warnings_as_notes
-from wavesplat._cli.reader_options import Input, ReaderOptions, print_guesses, takes_reader_options
+from wavesplat._cli.option_groups import option
+from wavesplat._cli.printing import check_outputs, is_terminal, message, print_result, warnings_as_notes
+from wavesplat._cli.reader_options import ReaderOptions, print_guesses
 from wavesplat._cli.several_inputs import takes_several_inputs
-from wavesplat._cli.shared_options import Json, Quiet
+from wavesplat._cli.shared_options import Input, Json, Quiet, output
 
 if TYPE_CHECKING:
     from wavesplat._model.series import Series
@@ -23,30 +20,23 @@ if TYPE_CHECKING:
 SIDE_OF_BOX = 96
 
 
+@dataclass(repr=False)
+class LevelOptions:
+    """Coarser levels of the file."""
+
+    downsampling: Any = option(
+        "mean|nearest",
+        "Of .ome.zarr: coarser levels of means, or for labels of every second sample; by the kind of data.",
+        choices=("mean", "nearest"),
+    )
+
+
 @takes_several_inputs(".ome.zarr")
-@takes_reader_options
 def convert(
     input: Input,
-    output: Annotated[
-        Path,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="OUT",
-            help="File to write: .ome.zarr, .ome.tif, .nrrd, .nii.gz or .nii.",
-            show_default=False,
-        ),
-    ],
+    output: Annotated[Path, output("File to write: .ome.zarr, .ome.tif, .nrrd, .nii.gz or .nii.")],
     *,
-    downsampling: Annotated[
-        Any,
-        typer.Option(
-            metavar="mean|nearest",
-            parser=one_of(("mean", "nearest")),
-            help="Of .ome.zarr: coarser levels of means, or for labels of every second sample; by the kind of data.",
-            show_default=False,
-        ),
-    ] = None,
+    levels: LevelOptions,
     reader: ReaderOptions,
     json: Json = False,
     quiet: Quiet = False,
@@ -56,6 +46,7 @@ def convert(
     from wavesplat._cli.progress import bar
     from wavesplat._model import volume_file
 
+    downsampling = levels.downsampling
     is_ome = ".ome." in output.name.lower()
     with warnings_as_notes(quiet=quiet):
         stack = _stack_of(input, reader) if is_ome else _one_of(input, reader)

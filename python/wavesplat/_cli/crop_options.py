@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from wavesplat._cli import parsers
-from wavesplat._cli.option_groups import with_options_of
+from wavesplat._cli.option_groups import option
 
 if TYPE_CHECKING:
     from wavesplat._model.clips import Clip
     from wavesplat._model.crop import Crop
     from wavesplat._model.grid import Grid
 
-__all__ = ["CutOptions", "box", "chosen_clip", "chosen_crop", "takes_cut_options"]
-
 CORNERS = "X0,Y0,Z0,X1,Y1,Z1"
 _box = parsers.numbers(6, "0,0,0,50,50,50")
-
-
-def box(help: str) -> Any:
-    """An option that takes two opposite corners of a box."""
-    return typer.Option(metavar=CORNERS, parser=_box, help=help)
 
 
 def _box_or_corner(text: str) -> Any:
@@ -32,44 +22,39 @@ def _box_or_corner(text: str) -> Any:
     return _box(text) if "," in text and any(mark.isdigit() for mark in text) else text
 
 
-@dataclass(frozen=True)
-class CutOptions:
+@dataclass(repr=False)
+class CropOptions:
+    """A box of the volume."""
+
+    TITLE: ClassVar = "Cuts"
+
+    crop: Any = option(CORNERS, "Only this box, world units.", parser=_box)
+    crop_index: Any = option(CORNERS, "The same, in samples.", parser=_box)
+
+
+@dataclass(repr=False)
+class CutOptions(CropOptions):
     """The crop box, the cut-out boxes and the clip planes."""
 
-    crop: Annotated[Any, box("Draw only this box, world units.")] = None
-    crop_index: Annotated[Any, box("The same, in samples.")] = None
-    cut_out: Annotated[
-        list[Any] | None,
-        typer.Option(
-            metavar=f"{CORNERS}|NAME",
-            parser=_box_or_corner,
-            help="Take out this box, world units, or a corner of the volume, such as right-anterior-superior, left or "
-            "+x-y+z; may be repeated.",
-        ),
-    ] = None
-    cut_out_index: Annotated[
-        list[Any] | None,
-        typer.Option(metavar=CORNERS, parser=_box, help="Take out this box, in samples; may be repeated."),
-    ] = None
-    clip: Annotated[
-        list[Any] | None,
-        typer.Option(
-            metavar="X,Y,Z,NX,NY,NZ",
-            parser=parsers.numbers(6, "0,0,50,0,0,1"),
-            help="Keep the side of a plane that N points to: a point on it and N, world units; may be repeated.",
-        ),
-    ] = None
+    cut_out: list[Any] | None = option(
+        f"{CORNERS}|NAME",
+        "Take out this box, world units, or a corner of the volume, such as right-anterior-superior, left or +x-y+z; "
+        "may be repeated.",
+        parser=_box_or_corner,
+    )
+    cut_out_index: list[Any] | None = option(CORNERS, "Take out this box, in samples; may be repeated.", parser=_box)
+    clip: list[Any] | None = option(
+        "X,Y,Z,NX,NY,NZ",
+        "Keep the side of a plane that N points to: a point on it and N, world units; may be repeated.",
+        parser=parsers.numbers(6, "0,0,50,0,0,1"),
+    )
 
 
-def takes_cut_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command these options on the command line, in the place of its parameter `cuts`."""
-    return with_options_of(CutOptions, "cuts", command)
-
-
-def chosen_crop(crop: tuple[float, ...] | None, crop_index: tuple[float, ...] | None) -> Crop | None:
+def chosen_crop(cuts: CropOptions) -> Crop | None:
     """The box in world units or in samples, or None."""
     from wavesplat._model.crop import Crop
 
+    crop, crop_index = cuts.crop, cuts.crop_index
     parsers.refuse_pairs(crop=crop, crop_index=crop_index)
     if crop is not None:
         return Crop(crop[:3], crop[3:], space="world")
@@ -81,7 +66,7 @@ def chosen_clip(cuts: CutOptions, volume: Grid) -> list[Clip]:
     from wavesplat._model.clips import ClipPlane, CutOut
     from wavesplat._model.crop import Crop
 
-    kept = chosen_crop(cuts.crop, cuts.crop_index)
+    kept = chosen_crop(cuts)
     boxes = [
         Crop.corner(volume, given) if isinstance(given, str) else Crop(given[:3], given[3:])
         for given in cuts.cut_out or ()

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["Choice", "describe", "describe_wavelets", "is_large_pyramid", "lines", "wavelet_lines"]
-
 PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
 #: Largest number of samples that percentiles are taken from; for lazy volumes, those that their surveys keep.
 N_SAMPLES_MAX = 10_000_000

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from wavesplat._cli import parsers
-from wavesplat._cli.option_groups import with_options_of
+from wavesplat._cli.option_groups import option, part
 from wavesplat._cli.printing import message
 from wavesplat.errors import ArgumentError
 
@@ -19,43 +16,24 @@ if TYPE_CHECKING:
     from wavesplat._scene.scene import Scene
 
 
-@dataclass(frozen=True)
-class FigureOptions:
-    """Options of a figure, as `Picture.annotated` takes them."""
+@dataclass(repr=False)
+class MarkOptions:
+    """Marks on a picture, as `Picture.annotated` takes them."""
 
-    figure: Annotated[
-        bool,
-        typer.Option(
-            "--figure", help="Draw what a figure needs: a scale bar, the axes or letters, a colour bar of a field."
-        ),
-    ] = False
-    scale_bar: Annotated[
-        bool, typer.Option("--scale-bar", help="Draw a bar of a round length, in the file's unit or --unit.")
-    ] = False
-    bar_length: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="A bar of this length, such as '50 um', or 50 world units.")
-    ] = None
-    letters: Annotated[
-        bool, typer.Option("--letters", help="Write R, L, A, P, S, I at the edges, where the file has anatomy.")
-    ] = False
-    cube: Annotated[bool, typer.Option("--cube", help="Draw a cube with these letters, or with x, y, z.")] = False
-    axes: Annotated[bool, typer.Option("--axes", help="Draw the axes as arrows.")] = False
-    colorbar: Annotated[
-        bool, typer.Option("--colorbar", help="Draw the colours of the values beside the picture, which gets wider.")
-    ] = False
-    colorbar_label: Annotated[str | None, typer.Option(metavar="TEXT", help="What the values are called there.")] = None
-    legend: Annotated[bool, typer.Option("--legend", help="Name labels and channels beside the picture.")] = False
-    title: Annotated[
-        str | None, typer.Option(metavar="TEXT", help="Write this above the picture; {time} is the time, such as 30 s.")
-    ] = None
-    dpi: Annotated[float | None, typer.Option(metavar="N", help="Pixels per inch when printed, for the file.")] = None
-    font_size: Annotated[
-        float | None, typer.Option(metavar="SIZE", help="Points with --dpi, else pixels; else it follows the size.")
-    ] = None
-    font: Annotated[Path | None, typer.Option(metavar="FILE.ttf", help="For signs that the usual font lacks.")] = None
-    ink: Annotated[
-        Any, typer.Option(metavar="COLOR", parser=parsers.color, help="Text colour; black or white by default.")
-    ] = None
+    TITLE: ClassVar = "Figure"
+
+    scale_bar: bool = option(help="Draw a bar of a round length, in the file's unit or --unit.", default=False)
+    bar_length: str | None = option("LENGTH", "A bar of this length, such as '50 um', or 50 world units.")
+    letters: bool = option(help="Write R, L, A, P, S, I at the edges, where the file has anatomy.", default=False)
+    cube: bool = option(help="Draw a cube with these letters, or with x, y, z.", default=False)
+    axes: bool = option(help="Draw the axes as arrows.", default=False)
+    colorbar: bool = option(help="Draw the colours of the values beside the picture, which gets wider.", default=False)
+    colorbar_label: str | None = option("TEXT", "What the values are called there.")
+    legend: bool = option(help="Name labels and channels beside the picture.", default=False)
+    title: str | None = option("TEXT", "Write this above the picture; {time} is the time, such as 30 s.")
+    font_size: float | None = option("SIZE", "Points with --dpi, else pixels; else it follows the size.")
+    font: Path | None = option("FILE.ttf", "For signs that the usual font lacks.")
+    ink: Any = option("COLOR", "Text colour; black or white by default.", parser=parsers.color)
 
     @property
     def orientation(self) -> Any:
@@ -66,34 +44,44 @@ class FigureOptions:
         return asked[0] if asked else None
 
 
-def takes_figure_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command these options on the command line, in the place of its parameter `figure`."""
-    return with_options_of(FigureOptions, "figure", command)
+@dataclass(repr=False)
+class FigureOptions:
+    """Options of a figure that may be printed."""
 
+    TITLE: ClassVar = MarkOptions.TITLE
 
-def takes_frame_figure_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options of figures that are not printed, in the place of its parameter `figure`."""
-    return with_options_of(FigureOptions, "figure", command, without=["dpi", "figure"])
+    figure: bool = option(
+        help="Draw what a figure needs: a scale bar, the axes or letters, a colour bar of a field.", default=False
+    )
+    marks: MarkOptions = part(MarkOptions)
+    dpi: float | None = option("N", "Pixels per inch when printed, for the file.")
 
 
 def check_figure(options: FigureOptions) -> None:
     """Refuse options that cannot work, before a picture is drawn."""
-    from wavesplat._picture import lettering
     from wavesplat._picture.picture import check_dpi
 
     check_dpi(options.dpi)
+    check_marks(options.marks, has_bar=options.figure)
+
+
+def check_marks(options: MarkOptions, *, has_bar: bool = False) -> None:
+    """Refuse marks that cannot be drawn. `has_bar`: whether there is a colour bar without being asked for."""
+    from wavesplat._picture import lettering
+
     _ = options.orientation
     if options.font is not None:
         lettering.opened(str(options.font), 12)
     if options.title:
         lettering.check_letters(options.title, None if options.font is None else str(options.font), "--title")
-    if options.colorbar_label is not None and not (options.colorbar or options.figure):
+    if options.colorbar_label is not None and not (options.colorbar or has_bar):
         raise ArgumentError("--colorbar-label names what a colour bar shows; give it with --colorbar")
 
 
 def annotated(picture: Picture, options: FigureOptions, scene: Scene, *, quiet: bool) -> Picture:
     """The picture as a figure, with the marks that the options ask for. `scene`: what is drawn."""
-    bars: bool | list[str] = options.colorbar
+    marked = options.marks
+    bars: bool | list[str] = marked.colorbar
     if options.figure:
         from wavesplat._render.framing import is_of_patient
 
@@ -101,16 +89,16 @@ def annotated(picture: Picture, options: FigureOptions, scene: Scene, *, quiet: 
         of_patient = is_of_patient(first)
         # Headers name a patient's axes and millimetres for what is none, too: these nobody measured.
         is_measured = of_patient or not first.is_anatomical
-        is_marked = options.letters or options.cube or options.axes
-        options = replace(
-            options,
-            scale_bar=options.scale_bar or (is_measured and picture.unit is not None),
-            letters=options.letters or (not is_marked and of_patient),
-            axes=options.axes or (not is_marked and not of_patient and is_measured),
-        )
         bars = bars or _bars_of_fields(picture, scene)
-        options = replace(options, colorbar=bool(bars))
-    marks = marks_of(options, picture.unit, quiet=quiet)
+        is_marked = marked.letters or marked.cube or marked.axes
+        marked = replace(
+            marked,
+            scale_bar=marked.scale_bar or (is_measured and picture.unit is not None),
+            letters=marked.letters or (not is_marked and of_patient),
+            axes=marked.axes or (not is_marked and not of_patient and is_measured),
+            colorbar=bool(bars),
+        )
+    marks = marks_of(marked, picture.unit, quiet=quiet)
     return picture.annotated(**marks | {"colorbar": bars}, dpi=options.dpi) if marks else picture
 
 
@@ -129,7 +117,7 @@ def _bars_of_fields(picture: Picture, scene: Scene) -> bool | list[str]:
     return len(named) == len(shown) + len(shapes) or named if named else False
 
 
-def marks_of(options: FigureOptions, unit: str | None, *, quiet: bool) -> dict[str, Any]:
+def marks_of(options: MarkOptions, unit: str | None, *, quiet: bool) -> dict[str, Any]:
     """Arguments of `Picture.annotated` but `dpi`; none where no mark is asked for. `unit`: of the world's lengths."""
     bar: Any = options.scale_bar if options.bar_length is None else options.bar_length
     if bar is not False and unit is None and not quiet and not any(map(str.isalpha, options.bar_length or "")):

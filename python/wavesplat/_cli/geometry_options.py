@@ -6,15 +6,13 @@ map, LOW,HIGH, an opacity 0..1, a size with its unit, values=NAME.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from wavesplat._cli.layer_options import named_file, without_window
-from wavesplat._cli.option_groups import with_options_of
+from wavesplat._cli.option_groups import option
+from wavesplat._cli.parsers import Length, length_in
 from wavesplat._cli.printing import message
 from wavesplat.errors import ArgumentError
 
@@ -26,60 +24,39 @@ SURFACE = f"FILE{LOOK}[:flat]"
 LINES = f"FILE{LOOK}[:by-direction][:Npx|Nmm]"
 POINTS = f"FILE{LOOK}[:Npx|Nmm]"
 SLICE_PLANE = "PLANE[:INDEX|:POSITIONmm][:WINDOW|:MAP][:LOW,HIGH][:OPACITY]"
-#: A length with its unit, and a size in pixels.
-LENGTH = re.compile(r"([\d.]+(?:e[-+]?\d+)?)\s*([A-Za-zµμ]+)")
 #: Word of the command line -> colour of `Lines`.
 BY_DIRECTION = {"by-direction": "direction", "direction": "direction"}
 
 
-@dataclass(frozen=True)
+@dataclass(repr=False)
 class GeometryOptions:
     """Surfaces, lines, points, slices that stand in space, and a frame."""
 
-    surface: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar=SURFACE,
-            help="A surface in the picture, such as liver.stl:red:0.5, of .stl, .ply, .obj, .glb, .vtp, .gii or "
-            "FreeSurfer; values=NAME colours it by values, of brains by those of another file. May be repeated.",
-        ),
-    ] = None
-    lines: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar=LINES,
-            help="Lines in the picture, such as tracts.trk:by-direction, of .trk, .tck, .vtp, .swc, or tracks of .csv. "
-            "May be repeated.",
-        ),
-    ] = None
-    points: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar=POINTS,
-            help="Points in the picture, such as cells.csv:yellow:2um: balls of this radius, or discs of 6px. Columns "
-            "are known by name. May be repeated.",
-        ),
-    ] = None
-    slice_plane: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar=SLICE_PLANE,
-            help="A slice that stands in the picture: axial, coronal, sagittal, xy, xz or yz, through the middle, or "
-            "as axial:12 the slice of this number, axial:-35mm the one at this place; cuts: on every face that --clip, "
-            "--crop and --cut-out cut. May be repeated.",
-        ),
-    ] = None
-    frame: Annotated[
-        bool, typer.Option("--frame", help="A box with ticks and numbers around the volume.", show_default=False)
-    ] = False
-    grid: Annotated[
-        bool, typer.Option("--grid", help="The frame, with lines on the sides behind.", show_default=False)
-    ] = False
+    TITLE: ClassVar = "Geometry"
 
-
-def takes_geometry_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command these options on the command line, in the place of its parameter `showing`."""
-    return with_options_of(GeometryOptions, "showing", command)
+    surface: list[str] | None = option(
+        SURFACE,
+        "A surface in the picture, such as liver.stl:red:0.5, of .stl, .ply, .obj, .glb, .vtp, .gii or FreeSurfer; "
+        "values=NAME colours it by values, of brains by those of another file. May be repeated.",
+    )
+    lines: list[str] | None = option(
+        LINES,
+        "Lines in the picture, such as tracts.trk:by-direction, of .trk, .tck, .vtp, .swc, or tracks of .csv. May be "
+        "repeated.",
+    )
+    points: list[str] | None = option(
+        POINTS,
+        "Points in the picture, such as cells.csv:yellow:2um: balls of this radius, or discs of 6px. Columns are known "
+        "by name. May be repeated.",
+    )
+    slice_plane: list[str] | None = option(
+        SLICE_PLANE,
+        "A slice that stands in the picture: axial, coronal, sagittal, xy, xz or yz, through the middle, or as "
+        "axial:12 the slice of this number, axial:-35mm the one at this place; cuts: on every face that --clip, "
+        "--crop and --cut-out cut. May be repeated.",
+    )
+    frame: bool = option(help="A box with ticks and numbers around the volume.", default=False)
+    grid: bool = option(help="The frame, with lines on the sides behind.", default=False)
 
 
 def opened_geometry(options: GeometryOptions, unit: str | None, *, quiet: bool) -> list[Shape]:
@@ -142,33 +119,23 @@ def _meaning(word: str, kind: str, what: str, unit: str | None) -> tuple[str, An
         return "normals", word
     if kind == "lines" and word in BY_DIRECTION:
         return "color", BY_DIRECTION[word]
-    if (number := _number(word)) is not None:
-        if not 0 <= number <= 1:
+    length = length_in(word)
+    if length is not None and length.unit is None:
+        if not 0 <= length.number <= 1:
             raise ArgumentError(
                 f"{what} has {word!r}: an opacity is 0..1, and a size has a unit, as {word}px or {word}mm"
             )
-        return "opacity", number
-    if (length := LENGTH.fullmatch(word)) is not None and kind in ("lines", "points"):
+        return "opacity", length.number
+    if length is not None and kind in ("lines", "points"):
         return _size(length, kind, what, unit)
     return _color(word, what)
 
 
-def _size(length: re.Match[str], kind: str, what: str, unit: str | None) -> tuple[str, Any]:
+def _size(length: Length, kind: str, what: str, unit: str | None) -> tuple[str, Any]:
     """A radius in the world's unit, or a size in pixels."""
-    from wavesplat._model import units
-
-    number, own = float(length[1]), units.canonical(length[2])
-    if length[2].lower() in ("px", "pixel", "pixels"):
-        return ("width" if kind == "lines" else "size"), number
-    a, b = units.metres(own), units.metres(unit)
-    if a is None:
-        raise ArgumentError(f"{what} has {length[0]!r}, whose unit is unknown; give px, um, mm or another length")
-    if b is None:
-        raise ArgumentError(
-            f"{what} has a size in {length[2]}, and the volume's file names no unit; give it with --unit, or a size in "
-            "px"
-        )
-    return "radius", float(f"{number * a / b:.12g}")
+    if str(length.unit).lower() in ("px", "pixel", "pixels"):
+        return ("width" if kind == "lines" else "size"), length.number
+    return "radius", length.in_world(unit, f"{what}: the size", "give a size in px")
 
 
 def _color(word: str, what: str) -> tuple[str, Any] | None:
@@ -199,23 +166,16 @@ def _slice_plane(text: str, unit: str | None) -> Shape:
     what = f"--slice-plane {text!r}"
     plane, *words = text.split(":")
     place: dict[str, Any] = {}
-    if words and re.fullmatch(r"-?\d+", words[0]):
+    length = length_in(words[0]) if words else None
+    if length is not None and length.unit is not None:
+        words.pop(0)
+        has_unit = units.metres(unit) is not None
+        place["position"] = length.in_world(unit, f"{what}: the position") if has_unit else length.number
+    elif length is not None and words[0].lstrip("-").isdecimal():
         place["index"] = int(words.pop(0))
-    elif words and (length := re.fullmatch(r"(-?[\d.]+)\s*([A-Za-zµμ]+)", words[0])) is not None:
-        a, b = units.metres(units.canonical(length[2])), units.metres(unit)
-        if a is not None:
-            place["position"] = float(f"{float(length[1]) * (1 if b is None else a / b):.12g}")
-            words.pop(0)
     window = {"window": words.pop(0)} if words and words[0] in CT_WINDOWS else {}
     look = window | _look(words, "slice-plane", what, SLICE_PLANE, unit)
     for name in ("color", "values"):
         if name in look:
             raise ArgumentError(f"{what} has a {name}; a slice has a colour map; it is {SLICE_PLANE}")
     return SlicePlane(None, plane, **place, **look)
-
-
-def _number(word: str) -> float | None:
-    try:
-        return float(word)
-    except ValueError:
-        return None

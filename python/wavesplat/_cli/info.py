@@ -6,9 +6,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._cli.printing import print_result
-from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, open_samples, takes_reader_options
+from wavesplat._cli.reader_options import ReaderOptions, open_any, open_samples
 from wavesplat._cli.several_inputs import takes_several_inputs
-from wavesplat._cli.shared_options import Json
+from wavesplat._cli.shared_options import Input, Json
 
 if TYPE_CHECKING:
     from wavesplat._cli import describe
@@ -20,21 +20,20 @@ MEMORY = "1 GB"
 
 
 @takes_several_inputs()
-@takes_reader_options
 def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
     """Say what a file holds: what there is to choose, and size, spacing, unit, orientation, values of a volume."""
-    from wavesplat._cli import describe, file_arrays, label_counts, region_facts, zarr_contents
+    from wavesplat._cli import describe, describe_contents
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-    if (regions := region_facts.regions_of(input)) is not None:
-        print_result(regions, "\n".join(region_facts.lines(regions)), as_json=json)
+    if (regions := describe_contents.regions_of(input)) is not None:
+        print_result(regions, "\n".join(describe_contents.region_lines(regions)), as_json=json)
         return
-    arrays = file_arrays.contents(input, reader)
+    arrays = describe_contents.arrays_in(input, reader)
     choices, volume, problem = _first(input, reader, [], has_arrays=bool(arrays))
     facts: dict[str, Any] = {"choices": [choice.facts() for choice in choices], **arrays}
-    facts |= zarr_contents.contents(input, reader)
-    text = file_arrays.lines(facts) + [line for choice in choices for line in choice.lines()]
-    text += zarr_contents.lines(facts)
+    facts |= describe_contents.images_in(input, reader)
+    text = describe_contents.array_lines(facts) + [line for choice in choices for line in choice.lines()]
+    text += describe_contents.image_lines(facts)
     if problem is not None:
         facts["problem"] = problem
         text.append(f"not shown    {problem}")
@@ -46,19 +45,19 @@ def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
     else:
         facts |= describe.describe(volume, of_coarsest=reader.memory is None)
         facts["labels"] = _labels_of(input, volume, reader.dataset) if reader.channel is None else []
-        text += [*describe.lines(facts), *label_counts.lines(facts["labels"])]
+        text += [*describe.lines(facts), *describe_contents.label_lines(facts["labels"])]
     print_result(facts, "\n".join(text), as_json=json)
 
 
 def _labels_of(input: str, volume: Volume, dataset: str | None) -> list[dict[str, Any]]:
     """The labels of a segmentation; empty for scans. Label names are read from files, not from addresses."""
-    from wavesplat._cli import label_counts
+    from wavesplat._cli import describe_contents
     from wavesplat._files.addresses import is_address
     from wavesplat._looks import label_names
 
     if volume.modality not in (None, "SEG"):
         return []
-    return label_counts.counted(volume, {} if is_address(input) else label_names.in_file(input, dataset))
+    return describe_contents.counted(volume, {} if is_address(input) else label_names.in_file(input, dataset))
 
 
 def _first(

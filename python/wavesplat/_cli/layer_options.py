@@ -2,36 +2,42 @@
 
 `--channel NUMBER|NAME[:COLOUR][:LOW,HIGH]` and `--layer FILE[#DATASET][:LOOK][:LOW,HIGH][:threshold=T][:reg=FILE]`
 are read from the right, so that names of channels, drives of Windows and URLs may have colons; `--color-by`, the field
-that gives a layer its colours, likewise (`color_field_options`).
+that gives a layer its colours, likewise.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
-import typer
-
-from wavesplat._cli import registered
-from wavesplat._cli.option_groups import with_options_of
+from wavesplat._cli.option_groups import option
+from wavesplat._cli.printing import message, warnings_as_notes
+from wavesplat._cli.reader_options import ReaderOptions, in_uptake, open_samples, series_options
 from wavesplat._files.addresses import is_address
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from wavesplat._model.grid import Grid
     from wavesplat._model.series import Series
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._scene.layer import Layer
 
 #: Ends of a window: sample values, or percentiles such as "1%".
 Ends: TypeAlias = tuple[float | str, float | str]
 
+#: The transform of a registration, as freeview has it: `pet.nii.gz:hot:2,8:reg=pet_to_ct.lta`.
+REG, MARK = "[:reg=TRANSFORM]", ":reg="
 CHANNEL = "NUMBER|NAME[:COLOR][:LOW,HIGH]"
 NAME = ":name="
-LAYER = f"FILE[#DATASET][:LOOK][:LOW,HIGH][:threshold=T]{registered.REG}[{NAME}TEXT]"
+LAYER = f"FILE[#DATASET][:LOOK][:LOW,HIGH][:threshold=T]{REG}[{NAME}TEXT]"
+COLOR_BY = "FILE[#DATASET]|DATASET[:MAP][:LOW,HIGH]"
 TIMES = "all|N,N,...|FIRST:END[:STEP]"
 #: Placeholder of the time in the name of its picture.
 PLACE_OF_TIME = "{time}"
@@ -41,62 +47,44 @@ UNSAFE = re.compile(r"[^A-Za-z0-9]+")
 MICRO = {0xB5: "u", 0x3BC: "u"}
 
 
-#: The option `--layer` of `render`, `movie` and `slice`.
-FurtherLayers = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar=LAYER,
-        help="Another volume in the same picture, such as pet.nii.gz:hot:2,8, clear up to LOW. LOOK: a colour map, a "
-        "colour or a preset. threshold=: hidden below it, of maps of two signs between -T and T, opaque beyond. "
-        f"{registered.REG_HELP} name=: what legends call it. May be repeated.",
-    ),
-]
+#: Minimum share of the values above a window that is worth a note, and percentiles of a window in its place.
+MANY, INSTEAD = 0.5, "90%,99.8%"
 
 
-#: The option `--channel` of `render`, `movie` and `slice`.
-ShownChannels = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--channel",
-        metavar=CHANNEL,
-        help="A channel, from 0, in a colour, over a window of values or percentiles: 0:green:100,900, 1:1%,99.8%, "
+@dataclass(repr=False)
+class ChannelOptions:
+    """Channels of the file, and further volumes."""
+
+    TITLE: ClassVar = "Layers"
+
+    channel: list[str] | None = option(
+        CHANNEL,
+        "A channel, from 0, in a colour, over a window of values or percentiles: 0:green:100,900, 1:1%,99.8%, "
         '"DAPI":blue; may be repeated; all if not given.',
-    ),
-]
+    )
+    layer: list[str] | None = option(
+        LAYER,
+        "Another volume in the same picture, such as pet.nii.gz:hot:2,8, clear up to LOW. LOOK: a colour map, a colour "
+        "or a preset. threshold=: hidden below it, of maps of two signs between -T and T, opaque beyond. "
+        "reg=: the file of an affine transform onto INPUT, of ITK, FreeSurfer (.lta) or FLIRT (.mat). name=: what "
+        "legends call it. May be repeated.",
+    )
 
 
-#: The option `--color-by` of `render` and `movie`.
-ColorField = Annotated[
-    str | None,
-    typer.Option(
-        "--color-by",
-        metavar="FILE[#DATASET]|DATASET[:MAP][:LOW,HIGH]",
-        help="A second field that gives INPUT its colours, such as temperature:inferno:1e4,1e7, a dataset of INPUT; "
-        "INPUT itself says how opaque it is, or where its surface lies (first-hit).",
-    ),
-]
-
-
-@dataclass(frozen=True)
-class LayerOptions:
+@dataclass(repr=False)
+class LayerOptions(ChannelOptions):
     """Channels, further volumes, a field of colours, and times."""
 
-    channel: ShownChannels = None
-    layer: FurtherLayers = None
-    color_by: ColorField = None
-    times: Annotated[
-        str | None,
-        typer.Option(
-            metavar=TIMES,
-            help="A picture of each of these time points, all with one look and view; {time} in the name of the output "
-            "is the time, such as 30s; else its number is added.",
-        ),
-    ] = None
-
-
-def takes_layer_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command these options on the command line, in the place of its parameter `layering`."""
-    return with_options_of(LayerOptions, "layering", command)
+    color_by: str | None = option(
+        COLOR_BY,
+        "A second field that gives INPUT its colours, such as temperature:inferno:1e4,1e7, a dataset of INPUT; INPUT "
+        "itself says how opaque it is, or where its surface lies (first-hit).",
+    )
+    times: str | None = option(
+        TIMES,
+        "A picture of each of these time points, all with one look and view; {time} in the name of the output is the "
+        "time, such as 30s; else its number is added.",
+    )
 
 
 # Channels
@@ -176,7 +164,7 @@ def layer_of(text: str) -> LayerText:
     if Path(text).exists():  # the file's own name ends like a window
         return LayerText(text)
     text, _, name = text.partition(NAME)
-    said, transform = registered.split(text, "--layer")
+    said, transform = split_transform(text, "--layer")
     said, threshold = _without_threshold(said)
     if Path(said).exists():
         return LayerText(said, None, None, threshold, transform, name or None)
@@ -234,9 +222,6 @@ def further_layers(
     scan : the volume that transforms map onto.
     time : the time point of volumes that have several. suv : PET in SUV.
     """
-    from wavesplat._cli.layer_windows import note_on_window
-    from wavesplat._cli.printing import message, warnings_as_notes
-    from wavesplat._cli.uptake import in_uptake
     from wavesplat._readers.request import SeveralError
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.opening import open_scene
@@ -251,12 +236,12 @@ def further_layers(
                 raise
             channels = list(open_scene(said.path, time=time).layers)
             if said.transform is not None:
-                by = registered.map_of(said.transform, channels[0].drawn, scan, quiet=quiet)
+                by = map_of_transform(said.transform, channels[0].drawn, scan, quiet=quiet)
                 channels = [replace(layer, volume=layer.volume.moved(by)) for layer in channels]
             layers += channels
             continue
         if said.transform is not None:
-            series = series.moved(registered.map_of(said.transform, series[0], scan, quiet=quiet))
+            series = series.moved(map_of_transform(said.transform, series[0], scan, quiet=quiet))
         has_many = len(series) > 1
         volume = series if has_many else series[0]
         with warnings_as_notes(quiet=quiet):
@@ -265,10 +250,32 @@ def further_layers(
                 layers.append(Layer.overlay(volume, said.look, said.window, **look))
             except ArgumentError as error:
                 raise ArgumentError(f"--layer is {LAYER}: {error}") from None
-        note = None if quiet or said.window is None else note_on_window(layers[-1].looked_at, said.window[1])
+        note = None if quiet or said.window is None else _note_on_window(layers[-1].looked_at, said.window[1])
         if note is not None:
             message(f"note: {note}")
     return layers
+
+
+def _note_on_window(volume: Volume | WaveletVolume, high: float | str | None) -> str | None:
+    """Advice on a window that ends at `high`, below most values, such as one for SUV of a PET in Bq/ml; else None."""
+    import numpy as np
+
+    from wavesplat._looks.histogram import finite_samples
+    from wavesplat._looks.kinds import unit_of_values
+
+    if not isinstance(high, float | int):
+        return None
+    values = finite_samples(volume)
+    share = float(np.mean(values > high)) if values.size else 0.0
+    if share <= MANY:
+        return None
+    unit = unit_of_values(volume)
+    most = f"{volume.value_range[1]:.6g} {unit}".rstrip()
+    instead = "--suv, or " if unit == "Bq/ml" else ""
+    return (
+        f"{100 * share:.0f} % of the values of layer {volume.name!r} lie above its window, which ends at {high:g}, and "
+        f"cover what is below; they reach up to {most}: give {instead}a window such as {INSTEAD}"
+    )
 
 
 def _opened(path: str, suv: bool) -> Series:
@@ -278,6 +285,102 @@ def _opened(path: str, suv: bool) -> Series:
     series = open_series(file, suv=suv, dataset=dataset)
     series[0]
     return series
+
+
+# The field of `--color-by`
+
+
+class ColorText(NamedTuple):
+    """A `--color-by`, parsed: a file, or None for INPUT; a dataset of it; colour map and window."""
+
+    path: str | None
+    dataset: str | None
+    colormap: str | None
+    window: Ends | None
+
+
+def color_of(text: str) -> ColorText:
+    """Parse a `--color-by`; what begins with no file that is there is a dataset of INPUT."""
+    if is_there(text):
+        return ColorText(*dataset_of(text), None, None)
+    rest, window = without_window(text, f"--color-by is {COLOR_BY}")
+    try:
+        path, colormap = named_file(rest, "--color-by", COLOR_BY, "temperature:inferno:1e4,1e7")
+    except ArgumentError:
+        # Maps have names such as cmocean:ice, which no dataset has.
+        dataset, _, colormap = rest.partition(":")
+        if not dataset:
+            raise
+        return ColorText(None, dataset, colormap or None, window)
+    return ColorText(*dataset_of(path), colormap or None, window)
+
+
+def color_layer(text: str, input: str, reader: ReaderOptions, *, has_times: bool, quiet: bool) -> Layer:
+    """The field of colours as a layer.
+
+    reader : options of INPUT, which hold for its other datasets too.
+    has_times : whether INPUT is drawn at several times, and so at those of the field.
+    """
+    from wavesplat._looks.field_colors import field_colors
+    from wavesplat._looks.over_time import brightest
+    from wavesplat._model.series import Series
+    from wavesplat._scene.layer import Layer
+
+    said = color_of(text)
+    with warnings_as_notes(quiet=quiet):
+        volume = _opened_field(said, text, input, reader, has_times=has_times)
+        seen: Any = brightest(volume) if isinstance(volume, Series) else volume
+        # The last part of its name, as colour bars have it.
+        own = said.dataset and said.dataset.rpartition("/")[2]
+        name = None if own is None else seen.facts.quantity or own
+        if said.colormap is None and said.window is None:
+            return Layer(volume, name=name)
+        try:
+            return Layer(volume, field_colors(seen, said.colormap, said.window), name=name)
+        except ArgumentError as error:
+            raise ArgumentError(f"--color-by is {COLOR_BY}: {error}") from None
+
+
+def _opened_field(said: ColorText, text: str, input: str, reader: ReaderOptions, *, has_times: bool) -> Volume | Series:
+    if said.path is not None:
+        # Samples of another file are read as those of INPUT are: as they are drawn, or all at once.
+        lazily = {name: getattr(reader, name) for name in ("memory", "holes", "cache")}
+        own = ReaderOptions(dataset=said.dataset, time=reader.time, **lazily)
+        return _read_field(said.path, own, has_times=has_times)
+    try:
+        return _read_field(input, replace(reader, dataset=said.dataset), has_times=has_times)
+    except ArgumentError as error:
+        raise ArgumentError(f"--color-by {text!r} begins with no file that is there, and of INPUT: {error}") from None
+
+
+def _read_field(path: str, reader: ReaderOptions, *, has_times: bool) -> Volume | Series:
+    from wavesplat._readers.time_points import open_series
+
+    if has_times and reader.time is None:
+        series = open_series(path, channel=reader.channel, **series_options(reader))
+        return series if len(series) > 1 else series[0]
+    return open_samples(path, reader, quiet=True)
+
+
+# Transforms
+
+
+def split_transform(text: str, option: str) -> tuple[str, str | None]:
+    """The text before `:reg=`, and the transform's file behind it, or None."""
+    if MARK not in text or Path(text).exists():
+        return text, None
+    rest, _, transform = text.rpartition(MARK)
+    if not (rest and transform):
+        raise ArgumentError(f"{option} {text!r} lacks a file; it is FILE{REG}, such as pet.nii.gz:reg=pet_to_ct.lta")
+    return rest, transform
+
+
+def map_of_transform(transform: str, moving: Grid, fixed: Grid, *, quiet: bool) -> NDArray[Any]:
+    """The map from the moving scan's world to the fixed one's; what had to be guessed is printed as a note."""
+    from wavesplat._readers.transform_files import transform_between
+
+    with warnings_as_notes(quiet=quiet):
+        return transform_between(transform, moving, fixed)
 
 
 # Times

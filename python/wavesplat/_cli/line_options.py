@@ -1,4 +1,4 @@
-"""Options of lines over a slice: contours of a segmentation, and lines of equal value."""
+"""Options of segmentations, of lines over slices, and of a second scan that a slice is compared with."""
 
 from __future__ import annotations
 
@@ -6,41 +6,118 @@ import re
 import warnings
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-import typer
-
-from wavesplat._cli import registered
-from wavesplat._cli.label_options import chosen_segments, grid_of
-from wavesplat._cli.layer_options import named_file
+from wavesplat._cli.layer_options import MARK, REG, further_layers, map_of_transform, named_file, split_transform
+from wavesplat._cli.option_groups import option
+from wavesplat._cli.parsers import refuse_pairs
+from wavesplat._cli.printing import warnings_as_notes
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.labels import Labels
     from wavesplat._looks.regions import Region
     from wavesplat._model.grid import Grid
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._render.isolines import Isolines
 
-__all__ = ["ContoursFile", "IsolinesText", "IsolinesTexts", "isolines_of", "opened_contours", "opened_isolines"]
+ISOLINES = f"FILE:VALUE,...[:COLOR]{REG}"
 
-ISOLINES = f"FILE:VALUE,...[:COLOR]{registered.REG}"
 
-ContoursFile = Annotated[
-    str | None,
-    typer.Option(
-        metavar=f"FILE{registered.REG}",
-        help="Regions as lines: DICOM RTSTRUCT or SEG, or any other segmentation, such as .nii.gz.",
-    ),
-]
-IsolinesTexts = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar=ISOLINES,
-        help="Lines of equal value of a volume, such as isodoses: dose.dcm:20,40,60. COLOR: a colour or a colour map; "
-        "may be repeated. reg= as of --layer.",
-    ),
-]
+@dataclass(repr=False)
+class LabelOptions:
+    """A segmentation of the volume."""
+
+    TITLE: ClassVar = "Labels"
+
+    labels: str | None = option(
+        f"FILE{REG}",
+        "A segmentation of the volume, also DICOM SEG or RTSTRUCT, every label in a colour; or, in quotes, "
+        "'organs/*.nii.gz': masks in a file each, with their names; of OME-Zarr the name of labels in it. reg= as of "
+        "--layer.",
+    )
+    label_table: Path | None = option(
+        "FILE",
+        "Names and colours of the labels (of slices without --labels, of the contours), from ITK-SNAP, FreeSurfer, 3D "
+        "Slicer (.ctbl), Connectome Workbench or BIDS (.tsv).",
+    )
+    segment: list[str] | None = option(
+        "NAME|NUMBER", 'Only this label, such as liver, 5 or a pattern ("rib*"); may be repeated.'
+    )
+
+
+@dataclass(repr=False)
+class LineOptions:
+    """Lines over a slice."""
+
+    TITLE: ClassVar = "Lines over the slice"
+
+    contours: str | None = option(
+        f"FILE{REG}",
+        "Regions as lines: DICOM RTSTRUCT or SEG, or any other segmentation, such as .nii.gz.",
+    )
+    isolines: list[str] | None = option(
+        ISOLINES,
+        "Lines of equal value of a volume, such as isodoses: dose.dcm:20,40,60. COLOR: a colour or a colour map; may "
+        "be repeated. reg= as of --layer.",
+    )
+
+
+@dataclass(repr=False)
+class ComparisonOptions:
+    """A second scan: a checkerboard of both, or their difference."""
+
+    TITLE: ClassVar = "Comparison with a second scan"
+
+    checkerboard: str | None = option(
+        f"FILE{REG}",
+        "A second scan, in squares in turn with INPUT, as after a registration. reg= as of --layer.",
+    )
+    tiles: int | None = option("N", "Squares of it along the longer side; 8.")
+    difference: str | None = option(
+        f"FILE{REG}",
+        "INPUT less a second scan, in blue and red about 0; --clim LOW,HIGH: the ends. reg= as of --layer.",
+    )
+
+
+def opened_labels(options: LabelOptions, scan: Volume | WaveletVolume, *, quiet: bool) -> Labels | None:
+    """The segmentation of a scan that the options name, or None."""
+    from wavesplat._files.paths import expanded
+    from wavesplat._looks.labels import Labels
+    from wavesplat._readers.dicom_structures import is_structure_set
+
+    text, table, segments = options.labels, options.label_table, options.segment
+    if text is None:
+        if table is not None:
+            raise ArgumentError("--label-table names the labels of a segmentation; give it with --labels")
+        if segments:
+            raise ArgumentError("--segment chooses among the labels of a segmentation; give it with --labels")
+        return None
+    path, transform = split_transform(text, "--labels")
+    if transform is not None and is_structure_set(expanded(path)):
+        raise ArgumentError(f"the lines of a structure set cannot be moved by reg=; draw them on their scan: {path}")
+    with warnings_as_notes(quiet=quiet):
+        labels = Labels.open(path, table=table, segments=chosen_segments(segments), scan=scan)
+    if transform is None:
+        return labels
+    return labels.moved(map_of_transform(transform, grid_of(labels, scan), scan, quiet=quiet))
+
+
+def grid_of(labels: Labels, scan: Grid) -> Grid:
+    """The grid of a segmentation; the scan's where it says nothing of its place."""
+    from wavesplat._model.grid import Grid
+
+    if labels.world_from_index is None:
+        return Grid("labels", labels.shape, scan.world_from_index, scan.facts)
+    return Grid("labels", labels.shape, labels.world_from_index, labels._facts)
+
+
+def chosen_segments(segments: Sequence[str] | None) -> list[str | int] | None:
+    """Names, patterns and numbers of segments; None: all."""
+    return [int(one) if one.strip().isdecimal() else one for one in segments or ()] or None
 
 
 def opened_contours(
@@ -51,7 +128,6 @@ def opened_contours(
     table : names and colours of the labels, instead of those of their file.
     scan : the volume that a transform maps onto.
     """
-    from wavesplat._cli.printing import warnings_as_notes
     from wavesplat._files.paths import expanded
     from wavesplat._looks.labels import Labels
     from wavesplat._looks.regions import Region
@@ -59,7 +135,7 @@ def opened_contours(
 
     if text is None:
         return None
-    path, transform = registered.split(text, "--contours")
+    path, transform = split_transform(text, "--contours")
     chosen = chosen_segments(segments)
     if is_structure_set(expanded(path)):
         if transform is not None:
@@ -74,7 +150,7 @@ def opened_contours(
         found = _overlapping(path, table, chosen) or [Labels.open(path, table=table, segments=chosen)]
     if transform is None:
         return found
-    by = registered.map_of(transform, grid_of(found[0], scan), scan, quiet=quiet)
+    by = map_of_transform(transform, grid_of(found[0], scan), scan, quiet=quiet)
     return [one.moved(by) for one in found]
 
 
@@ -125,7 +201,7 @@ class IsolinesText(NamedTuple):
 
 def isolines_of(text: str) -> IsolinesText:
     """Parse an `--isolines`; the longest beginning that names a file is the file."""
-    text, transform = registered.split(text, "--isolines")
+    text, transform = split_transform(text, "--isolines")
     path, rest = named_file(text, "--isolines", ISOLINES, "dose.dcm:20,40,60")
     said, _, color = rest.partition(":")
     parts = said.split(",")
@@ -142,16 +218,53 @@ def opened_isolines(
     scan : the volume that transforms map onto.
     time : the time point of volumes that have several. suv : PET in SUV.
     """
-    from wavesplat._cli.layer_options import further_layers
     from wavesplat._render.isolines import Isolines
 
     if not texts:
         return None
     found = []
     for said in [isolines_of(text) for text in texts]:
-        moved = said.path if said.transform is None else f"{said.path}{registered.MARK}{said.transform}"
+        moved = said.path if said.transform is None else f"{said.path}{MARK}{said.transform}"
         layers = further_layers([moved], scan, time=time, quiet=quiet, suv=suv)
         if len(layers) > 1:
             raise ArgumentError(f"--isolines: the file holds {len(layers)} channels, and lines are of one: {said.path}")
         found.append(Isolines(layers[0].drawn, said.values, **({"color": said.color} if said.color else {})))
+    return found
+
+
+class Compared(NamedTuple):
+    """The arguments of a slice for a second scan, and the scan."""
+
+    arguments: dict[str, Any]
+    volumes: list[Any]
+
+
+def opened_comparison(
+    options: ComparisonOptions,
+    scan: Grid,
+    *,
+    time: int,
+    quiet: bool,
+    suv: bool,
+) -> Compared:
+    """The second scan of the options, opened.
+
+    scan : the volume that transforms map onto.
+    time : the time point of a second scan that has several. suv : PET in SUV.
+    """
+    refuse_pairs(checkerboard=options.checkerboard, difference=options.difference)
+    tiles = options.tiles
+    if tiles is not None and options.checkerboard is None:
+        raise ArgumentError("--tiles are the squares of a checkerboard; give them with --checkerboard FILE")
+    found = Compared({} if tiles is None else {"tiles": tiles}, [])
+    for name in ("checkerboard", "difference"):
+        text = getattr(options, name)
+        if text is None:
+            continue
+        path, _ = split_transform(text, f"--{name}")
+        layers = further_layers([text], scan, time=time, quiet=quiet, suv=suv)
+        if len(layers) > 1:
+            raise ArgumentError(f"--{name}: the file holds {len(layers)} channels, and one is compared: {path}")
+        found.arguments[name] = layers[0].drawn
+        found.volumes.append(layers[0].drawn)
     return found

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-import typer
-
-from wavesplat._cli.crop_options import box, chosen_crop
-from wavesplat._cli.label_options import LabelTable, chosen_segments
-from wavesplat._cli.option_groups import given
-from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import print_result, warnings_as_notes
-from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
-from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
+from wavesplat._cli.crop_options import CropOptions, chosen_crop
+from wavesplat._cli.line_options import chosen_segments
+from wavesplat._cli.option_groups import given, option
+from wavesplat._cli.printing import check_outputs, print_result, warnings_as_notes
+from wavesplat._cli.reader_options import ProcessingOptions, ReaderOptions, processed
 from wavesplat._cli.several_inputs import takes_several_inputs
-from wavesplat._cli.shared_options import Json, Quiet
+from wavesplat._cli.shared_options import Input, Json, Quiet, output
 from wavesplat.errors import ArgumentError
 
 #: Strength of smoothing of meshes of labels, as in 3D Slicer.
@@ -23,65 +20,60 @@ SMOOTHING = 0.5
 EITHER = "give either --iso-value, for the surface of a value, or --labels all, for a segmentation"
 
 
+@dataclass(repr=False)
+class MeshOptions:
+    """Which surface, and how finely and smoothly it is meshed."""
+
+    iso_value: float | None = option("VALUE", "The surface's value.")
+    labels: str | None = option(
+        "all|LABEL,...",
+        "Instead: a closed, smooth mesh of each of these labels of a segmentation, by number or name.",
+    )
+    label_table: Path | None = option(
+        "FILE",
+        "Names and colours of the labels, from ITK-SNAP, FreeSurfer, 3D Slicer (.ctbl), Connectome Workbench or BIDS "
+        "(.tsv).",
+    )
+    smoothing: float = option("0..1", "How much meshes of labels are smoothed; 0 leaves the stairs.", default=SMOOTHING)
+    closed: bool = option(None, "Close what the volume's faces or a box cut.", "--closed/--open", default=True)
+    step: int = option("N", "Take every n-th sample: fewer triangles.", default=1)
+
+
 @takes_several_inputs(".ply", own=("labels", "name", "number"))
-@takes_reader_options
-@takes_processing_options
 def mesh(
     input: Input,
     output: Annotated[
         Path,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="OUT",
-            help="Mesh to write: .ply, .stl, .obj, .glb, .gltf, .3mf; {name} or {number} for a file of each label.",
-            show_default=False,
-        ),
+        output("Mesh to write: .ply, .stl, .obj, .glb, .gltf, .3mf; {name} or {number} for a file of each label."),
     ],
-    iso_value: Annotated[
-        float | None, typer.Option(metavar="VALUE", help="The surface's value.", show_default=False)
-    ] = None,
     *,
-    labels: Annotated[
-        str | None,
-        typer.Option(
-            metavar="all|LABEL,...",
-            help="Instead: a closed, smooth mesh of each of these labels of a segmentation, by number or name.",
-        ),
-    ] = None,
-    label_table: LabelTable = None,
-    smoothing: Annotated[
-        float, typer.Option(metavar="0..1", help="How much meshes of labels are smoothed; 0 leaves the stairs.")
-    ] = SMOOTHING,
-    closed: Annotated[bool, typer.Option("--closed/--open", help="Close what the volume's faces or a box cut.")] = True,
-    step: Annotated[int, typer.Option(metavar="N", help="Take every n-th sample: fewer triangles.")] = 1,
-    crop: Annotated[Any, box("Only this box, world units.")] = None,
-    crop_index: Annotated[Any, box("The same, in samples.")] = None,
+    own: MeshOptions,
+    cuts: CropOptions,
     reader: ReaderOptions,
     processing: ProcessingOptions,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Write the surface of a value, or those of labels, as triangle meshes in world units, and print their paths."""
-    crop_box = chosen_crop(crop, crop_index)
-    if labels is not None and iso_value is not None:
+    if own.labels is not None and own.iso_value is not None:
         raise ArgumentError(EITHER)
-    if labels is not None:
-        of_surface = {"--open": not closed, "--step": step != 1, "--crop": crop_box is not None}
-        named = [name for name, is_given in of_surface.items() if is_given] + given(reader) + given(processing)
+    if own.labels is not None:
+        of_surface = {"--open": not own.closed, "--step": own.step != 1}
+        named = [name for name, is_given in of_surface.items() if is_given] + given(cuts, reader, processing)
         if named:
             raise ArgumentError(f"--labels takes the segmentation as it is; leave out {', '.join(named)}")
-        _write_labels(input, output, labels, label_table, smoothing, as_json=json, quiet=quiet)
+        _write_labels(input, output, own.labels, own.label_table, own.smoothing, as_json=json, quiet=quiet)
         return
-    if iso_value is None:
+    if own.iso_value is None:
         raise ArgumentError(EITHER)
-    if label_table is not None or smoothing != SMOOTHING:
+    if own.label_table is not None or own.smoothing != SMOOTHING:
         raise ArgumentError("--label-table and --smoothing are for meshes of labels; leave them out, or give --labels")
     check_outputs(input, output, "meshes")
+    crop = chosen_crop(cuts)
     from wavesplat._mesh import meshing
 
     volume = processed(input, reader, processing, quiet=quiet)
-    surface = meshing.mesh(volume, iso_value, closed=closed, step=step, crop=crop_box)
+    surface = meshing.mesh(volume, own.iso_value, closed=own.closed, step=own.step, crop=crop)
     surface.save(output)
     print_result(
         {"mesh": str(output), "input": input, "processing": list(volume.facts.processing), **surface.facts()},

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from wavesplat._cli.layer_options import CHANNEL, ChannelText, LayerOptions, channel_of
-from wavesplat._cli.option_groups import given
+from wavesplat._cli.layer_options import CHANNEL, ChannelOptions, ChannelText, LayerOptions, channel_of
+from wavesplat._cli.option_groups import given, part
 from wavesplat._cli.printing import message, warnings_as_notes
-from wavesplat._cli.processing_options import ProcessingOptions, changed_samples, changed_series, processed
-from wavesplat._cli.reader_options import ReaderOptions, print_guesses
-from wavesplat._cli.transfer_function_options import ColorOptions, LookOptions
-from wavesplat._cli.uptake import in_uptake
+from wavesplat._cli.reader_options import (
+    ProcessingOptions,
+    ReaderOptions,
+    changed_samples,
+    changed_series,
+    in_uptake,
+    print_guesses,
+    processed,
+    series_options,
+)
+from wavesplat._cli.transfer_function_options import ColorOptions, NamedLookOptions, function_of_histogram, named_look
 from wavesplat.errors import ArgumentError, FileWarning
 
 if TYPE_CHECKING:
@@ -25,6 +33,24 @@ if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
 
 
+@dataclass(repr=False)
+class OpeningOptions:
+    """Which channels and times of INPUT are drawn, with which further volumes, how it is read, and processed."""
+
+    layering: LayerOptions = part(LayerOptions)
+    reader: ReaderOptions = part(ReaderOptions)
+    processing: ProcessingOptions = part(ProcessingOptions)
+
+
+class FirstLayers(NamedTuple):
+    """The volume or series that decides the plane, or its channels as layers, and its colours."""
+
+    layers: list[Any]
+    volume: Any
+    transfer_function: Any
+    is_grey: bool
+
+
 class Channels(NamedTuple):
     """Channels as layers, and the look of the first."""
 
@@ -33,14 +59,7 @@ class Channels(NamedTuple):
 
 
 def opened_layers(
-    path: str,
-    reader: ReaderOptions,
-    layering: LayerOptions,
-    processing: ProcessingOptions,
-    *,
-    composite: Composite | None,
-    quiet: bool,
-    all_times: bool = False,
+    path: str, options: OpeningOptions, *, composite: Composite | None, quiet: bool, all_times: bool = False
 ) -> Volume | WaveletVolume | Series | Channels:
     """A volume, a series where several times are to be drawn, or channels with their looks.
 
@@ -49,6 +68,7 @@ def opened_layers(
     """
     from wavesplat._readers.request import SeveralError
 
+    layering, reader, processing = options.layering, options.reader, options.processing
     said = [channel_of(text) for text in layering.channel or ()]
     if path.lower().endswith(".wavelets"):
         named = [f"--{name}" for name, value in (("channel", said), ("times", layering.times)) if value]
@@ -56,36 +76,26 @@ def opened_layers(
             raise ArgumentError(f"{', '.join(named)} say nothing about a file of wavelet coefficients; leave them out")
         return processed(path, reader, processing, quiet=quiet)
     number = said[0].which if len(said) == 1 and said[0].is_plain else None
-    if said and not isinstance(number, int):
-        return _channels(
-            path,
-            reader,
-            said,
-            processing,
-            quiet=quiet,
-            composite=composite or "over",
-            keeps_times=layering.times is not None or (all_times and reader.time is None),
-        )
-    if isinstance(number, int):
-        reader = replace(reader, channel=number)
-    try:
-        if layering.times is not None:
-            return _series(path, reader, processing, quiet=quiet)
-        return processed(path, reader, processing, quiet=quiet)
-    except SeveralError as error:
-        if error.option == "time" and error.is_known and reader.time is None:
-            reader, layering = _with_times(reader, layering, all_times=all_times)
-            found = opened_layers(path, reader, layering, processing, composite=composite, quiet=quiet)
-            if not (quiet or all_times):
-                message(f"note: the file holds {len(error.names)} time points; this is --time 0")
-            return found
-        # In an array whose axes have no names, no axis is known to be that of channels.
-        if error.option != "channel" or said or not error.is_known:
-            raise
+    if not said or isinstance(number, int):
+        own = replace(reader, channel=number) if isinstance(number, int) else reader
+        try:
+            if layering.times is not None:
+                return _series(path, own, processing, quiet=quiet)
+            return processed(path, own, processing, quiet=quiet)
+        except SeveralError as error:
+            if error.option == "time" and error.is_known and reader.time is None:
+                options = _with_times(options, all_times=all_times)
+                found = opened_layers(path, options, composite=composite, quiet=quiet, all_times=all_times)
+                if not (quiet or all_times):
+                    message(f"note: the file holds {len(error.names)} time points; this is --time 0")
+                return found
+            # In an array whose axes have no names, no axis is known to be that of channels.
+            if error.option != "channel" or said or not error.is_known:
+                raise
     return _channels(
         path,
         reader,
-        None,
+        said or None,
         processing,
         quiet=quiet,
         composite=composite or "over",
@@ -95,9 +105,7 @@ def opened_layers(
 
 def opened_in_uptake(
     path: str,
-    reader: ReaderOptions,
-    layering: LayerOptions,
-    processing: ProcessingOptions,
+    options: OpeningOptions,
     *,
     composite: Composite | None,
     quiet: bool,
@@ -107,10 +115,10 @@ def opened_in_uptake(
     """The same as `opened_layers`, in SUV if `--suv` is given. is_alone : whether no other file is drawn with it."""
 
     def opened(suv: bool) -> Volume | WaveletVolume | Series | Channels:
-        own = replace(reader, suv=suv)
-        return opened_layers(path, own, layering, processing, composite=composite, quiet=quiet, all_times=all_times)
+        own = replace(options, reader=replace(options.reader, suv=suv))
+        return opened_layers(path, own, composite=composite, quiet=quiet, all_times=all_times)
 
-    return in_uptake(opened, _modality_of, suv=reader.suv, is_alone=is_alone)
+    return in_uptake(opened, _modality_of, suv=options.reader.suv, is_alone=is_alone)
 
 
 def _modality_of(opened: Volume | WaveletVolume | Series | Channels) -> str | None:
@@ -120,6 +128,45 @@ def _modality_of(opened: Volume | WaveletVolume | Series | Channels) -> str | No
     if isinstance(opened, Channels):
         return None
     return opened[0].modality if isinstance(opened, Series) else opened.modality
+
+
+def first_layers(
+    input: str,
+    channels: ChannelOptions,
+    reader: ReaderOptions,
+    processing: ProcessingOptions,
+    *,
+    look: NamedLookOptions,
+    colors: ColorOptions,
+    is_alone: bool,
+    all_times: bool = False,
+    n_pixels: float = inf,
+    quiet: bool,
+) -> FirstLayers:
+    """The layers of INPUT with its colours; single pictures and films are allowed.
+
+    all_times : keep all times of a file if no time is given. n_pixels : of the picture, along its longer side.
+    """
+    from wavesplat._model.series import Series
+    from wavesplat._readers.request import taking_planes
+
+    opening = OpeningOptions(LayerOptions(channels.channel), reader, processing)
+    with taking_planes(n_pixels):
+        opened: Any = opened_in_uptake(
+            input, opening, composite=None, quiet=quiet, all_times=all_times, is_alone=is_alone
+        )
+    # A window or a range alone maps to greys.
+    is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
+    if isinstance(opened, Channels):
+        refuse_for_channels(look, colors, len(opened.layers), ("cmap", "log", "opacity", "gamma"))
+        shown = changed_channels(opened, colors)
+        return FirstLayers(shown.layers, shown.layers[0].drawn, None, False)
+    volume = opened[0] if isinstance(opened, Series) else opened
+    if look.preset == "auto":
+        return FirstLayers([opened], volume, function_of_histogram(volume, input), is_grey)
+    of_look = None if is_grey else colors
+    named = named_look(volume, preset=look.preset, tf=look.tf, colors=of_look, opacity=1.0, quiet=quiet)
+    return FirstLayers([opened], volume, named and named.transfer_function, is_grey)
 
 
 def changed_channels(opened: Channels, colors: ColorOptions, exposure: float = 1.0) -> Channels:
@@ -135,7 +182,7 @@ def changed_channels(opened: Channels, colors: ColorOptions, exposure: float = 1
 
 
 def refuse_for_channels(
-    showing: LookOptions, colors: ColorOptions, n: int, of_colors: Sequence[str] = ("cmap", "log")
+    showing: NamedLookOptions, colors: ColorOptions, n: int, of_colors: Sequence[str] = ("cmap", "log")
 ) -> None:
     """Raise an `ArgumentError` for options that make a look, or coefficients, of one volume.
 
@@ -152,16 +199,11 @@ def refuse_for_channels(
         )
 
 
-def _with_times(
-    reader: ReaderOptions, layering: LayerOptions, *, all_times: bool
-) -> tuple[ReaderOptions, LayerOptions]:
+def _with_times(options: OpeningOptions, *, all_times: bool) -> OpeningOptions:
     """The options completed for a file of several times: all of them, or the first."""
-    return (reader, replace(layering, times="all")) if all_times else (replace(reader, time=0), layering)
-
-
-def series_options(reader: ReaderOptions) -> dict[str, Any]:
-    """Options of the reader as arguments of `open_series`, without time and channel."""
-    return {name: value for name, value in vars(reader).items() if name not in ("time", "channel")}
+    if all_times:
+        return replace(options, layering=replace(options.layering, times="all"))
+    return replace(options, reader=replace(options.reader, time=0))
 
 
 def _series(path: str, reader: ReaderOptions, processing: ProcessingOptions, *, quiet: bool) -> Series:

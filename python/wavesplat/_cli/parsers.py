@@ -1,11 +1,13 @@
-"""Parsers of numbers and names on the command line, and a check of options that exclude each other."""
+"""Parsers of numbers, lengths and names on the command line, and a check of options that exclude each other."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from math import floor
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import typer
 
@@ -14,11 +16,53 @@ from wavesplat.errors import ArgumentError
 
 #: Slices on one sheet, at most.
 MAX_POSITIONS = 400
+#: A number, and letters of a unit behind it.
+LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-zµμÅ]*)\s*")
 
 
-def choice(names: Sequence[str]) -> Any:
-    """An option that takes one of these names; its help lists them."""
-    return typer.Option(metavar="NAME", parser=one_of(names), help=f"{', '.join(names)}.")
+class Length(NamedTuple):
+    """A length as it is written: a number, and its unit; None is the unit of the world, or voxels."""
+
+    number: float
+    unit: str | None = None
+
+    def in_world(self, unit: str | None, what: str, instead: str = "give it without a unit") -> float:
+        """The number in the unit of a world, as its file names it.
+
+        Raises
+        ------
+        ArgumentError
+            If the two units cannot be compared; it names `what` and suggests `instead`.
+        """
+        from wavesplat._model import units
+
+        own = units.canonical(self.unit)
+        if self.unit is None or own == unit:
+            return self.number
+        size, of_world = units.metres(own), units.metres(unit)
+        if size is None:
+            raise ArgumentError(f"{what} is {self}, whose unit is unknown; give um, mm or another length, or {instead}")
+        if of_world is None:
+            known = f"is in {unit}" if unit else "names no unit; give it with --unit"
+            raise ArgumentError(f"{what} is {self}, and the volume's file {known}, or {instead}")
+        return float(f"{self.number * size / of_world:.12g}")
+
+    def __str__(self) -> str:
+        return f"{self.number:g} {self.unit or ''}".rstrip()
+
+
+def length(text: str) -> Length:
+    """A length such as "12", "1.5mm" or "300 um"."""
+    found = length_in(text)
+    if found is None:
+        raise typer.BadParameter(f"{text!r} is not a number or a length, such as 0.7, 1.5mm or 300um")
+    return found
+
+
+def length_in(text: str) -> Length | None:
+    """The length that a text is; None for other texts."""
+    found = LENGTH.fullmatch(text)
+    return None if found is None else Length(float(found[1]), found[2] or None)
 
 
 def cache_place(text: str | bool) -> str | bool:
@@ -80,24 +124,29 @@ def ends(example: str) -> Callable[[str], tuple[float | str, ...]]:
     return parse
 
 
-def positions(text: str) -> int | tuple[float, ...]:
-    """Positions of "10:80:10" (start, stop, step; the stop is the last), of "10,20,35", or their number, "12"."""
-    try:
-        if ":" not in text:
-            listed = tuple(float(part) for part in text.split(","))
-            return int(text) if len(listed) == 1 and text.strip().isdecimal() else listed
-        start, stop, step = (float(part) for part in text.split(":"))
-        n = floor((stop - start) / step * (1 + 1e-9) + 1e-9) + 1
-    except (ValueError, ZeroDivisionError, OverflowError):
+def positions(text: str) -> int | tuple[Length, ...]:
+    """Positions of "10:80:10" (start, stop, step; the stop is the last), of "10mm,20mm,35mm", or their number, "12"."""
+    if text.strip().isdecimal():
+        return int(text)
+    between = ":" if ":" in text else ","
+    listed = [found for part in text.split(between) if (found := length_in(part)) is not None]
+    n = len(listed)
+    if n <= text.count(between) or len({one.unit for one in listed}) > 1 or (between == ":" and n != 3):
         n = 0
+    elif between == ":":
+        (start, unit), (stop, _), (step, _) = listed
+        with suppress(OverflowError, ValueError, ZeroDivisionError):
+            n = 0
+            n = floor((stop - start) / step * (1 + 1e-9) + 1e-9) + 1
+        listed = [Length(start + number * step, unit) for number in range(min(n, MAX_POSITIONS))]
     if n > MAX_POSITIONS:
         raise typer.BadParameter(f"{text!r} is {n} slices; {MAX_POSITIONS} are the most on one sheet")
     if n < 1:
         raise typer.BadParameter(
             f"{text!r} is not START:STOP:STEP, such as 10:80:10, not numbers with commas between, and not a number of "
-            "slices, such as 12"
+            "slices, such as 12; either all have the same unit or none has one"
         )
-    return tuple(start + number * step for number in range(n))
+    return tuple(listed)
 
 
 def whole_numbers(text: str) -> tuple[int, ...]:

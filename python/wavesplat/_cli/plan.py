@@ -2,60 +2,44 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from dataclasses import dataclass, replace
+from typing import Any
 
-import typer
-
-from wavesplat._cli import parsers
-from wavesplat._cli.crop_options import box, chosen_crop
-from wavesplat._cli.geometry_options import GeometryOptions, opened_geometry, takes_geometry_options
+from wavesplat._cli.crop_options import CropOptions, chosen_crop
+from wavesplat._cli.geometry_options import GeometryOptions, opened_geometry
+from wavesplat._cli.option_groups import option
 from wavesplat._cli.printing import print_result
-from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
-from wavesplat._cli.shared_options import Json
-
-__all__ = ["plan"]
+from wavesplat._cli.reader_options import ReaderOptions, open_samples
+from wavesplat._cli.shared_options import Input, Json, picture_size
 
 
-@takes_geometry_options
-@takes_reader_options
+@dataclass(repr=False)
+class CostOptions:
+    """The picture and the machines of which the cost is told: arguments of `wavesplat.plan`."""
+
+    size: Any = picture_size("Pixels of the picture.")
+    workers: int = option("N", "Machines, or processes, that draw together.", default=1)
+    cores: int | None = option("N", "Cores of each; those of this machine.")
+    segments: int | None = option("N", "Slices of a segment of the rays.")
+    read_rate: str | None = option("SIZE", "Bytes a second that a worker reads, such as 250MB; else measured.")
+    draw_ns: float | None = option("NS", "Nanoseconds of a texel on a core; else measured.")
+
+
 def plan(
     input: Input,
     *,
-    reader: ReaderOptions,
-    size: Annotated[Any, typer.Option(metavar="WxH", parser=parsers.size, help="Pixels of the picture.")] = "512x512",
-    workers: Annotated[int, typer.Option(metavar="N", help="Machines, or processes, that draw together.")] = 1,
-    cores: Annotated[int | None, typer.Option(metavar="N", help="Cores of each; those of this machine.")] = None,
-    segments: Annotated[int | None, typer.Option(metavar="N", help="Slices of a segment of the rays.")] = None,
-    read_rate: Annotated[
-        str | None,
-        typer.Option(metavar="SIZE", help="Bytes a second that a worker reads, such as 250MB; else measured."),
-    ] = None,
-    draw_ns: Annotated[
-        float | None, typer.Option(metavar="NS", help="Nanoseconds of a texel on a core; else measured.")
-    ] = None,
-    crop: Annotated[Any, box("Plan the picture of this box alone, world units.")] = None,
-    crop_index: Annotated[Any, box("The same, in samples.")] = None,
+    own: CostOptions,
+    cuts: CropOptions,
     showing: GeometryOptions,
+    reader: ReaderOptions,
     json: Json = False,
 ) -> None:
     """Say what a picture of a large file costs before it is drawn: boxes, bytes, tasks, memory, time."""
-    from dataclasses import replace
-
-    from wavesplat._cli.reader_options import open_samples
     from wavesplat._model.lazy_volume import default_memory
     from wavesplat._scene.cost import plan as plan_of
 
     lazy = replace(reader, memory=reader.memory or str(default_memory()))
     volume = open_samples(input, lazy, quiet=True)
-    cost = plan_of(
-        volume,
-        size=size,
-        workers=workers,
-        cores=cores,
-        segments=segments,
-        read_rate=read_rate,
-        draw_ns=draw_ns,
-        geometry=opened_geometry(showing, volume.facts.unit, quiet=True),
-        crop=chosen_crop(crop, crop_index),
-    )
+    geometry = opened_geometry(showing, volume.facts.unit, quiet=True)
+    cost = plan_of(volume, geometry=geometry, crop=chosen_crop(cuts), **vars(own))
     print_result(cost.as_json(), "\n".join(cost.lines()), as_json=json)

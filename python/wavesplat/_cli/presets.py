@@ -2,34 +2,37 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from wavesplat._cli import parsers
-from wavesplat._cli.option_groups import given
-from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import message, print_result
-from wavesplat._cli.reader_options import ReaderOptions, open_any, takes_reader_options
-from wavesplat._cli.shared_options import Json, Quiet
+from wavesplat._cli.option_groups import given, option
+from wavesplat._cli.printing import check_outputs, message, print_result
+from wavesplat._cli.reader_options import ReaderOptions, open_any
+from wavesplat._cli.shared_options import Json, Quiet, picture_size
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.presets import Preset
 
 
-@takes_reader_options
+@dataclass(repr=False)
+class SheetOptions:
+    """A sheet of a volume with each preset."""
+
+    sheet: Path | None = option("OUT", "Draw the volume with each of these: .png, .jpg, ...")
+    size: Any = picture_size("Pixels of each picture.", "320x320")
+
+
 def presets(
     input: Annotated[
         str | None,
         typer.Argument(metavar="[INPUT]", help="A volume: only the presets that fit it.", show_default=False),
     ] = None,
     *,
-    sheet: Annotated[
-        Path | None, typer.Option(metavar="OUT", help="Draw the volume with each of these: .png, .jpg, ...")
-    ] = None,
-    size: Annotated[Any, typer.Option(metavar="WxH", parser=parsers.size, help="Pixels of each picture.")] = "320x320",
+    own: SheetOptions,
     reader: ReaderOptions,
     json: Json = False,
     quiet: Quiet = False,
@@ -37,6 +40,7 @@ def presets(
     """List the presets, or those that fit a volume, and draw it with each of these on one sheet."""
     from wavesplat._looks import presets as known
 
+    sheet = own.sheet
     if input is None:
         if sheet is not None or given(reader):
             raise ArgumentError("--sheet shows a volume; name the volume too")
@@ -52,7 +56,7 @@ def presets(
     from wavesplat._cli import contact_sheet
 
     names = ["auto", *(preset.name for preset in fitting)]
-    picture = contact_sheet.drawn(volume, names, size)
+    picture = contact_sheet.drawn(volume, names, own.size)
     picture.save(sheet)
     if not quiet:
         message(f"from left to right and top to bottom: {', '.join(names)}")

@@ -15,8 +15,6 @@ from wavesplat._cli.printing import is_terminal
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-__all__ = ["bar", "run"]
-
 T = TypeVar("T")
 
 #: Interval at which the bar moves and, on Windows, Ctrl-C is noticed.

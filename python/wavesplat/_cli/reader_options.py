@@ -1,133 +1,73 @@
-"""The options of `wavesplat.open` on the command line, declared once, and the volume that they and INPUT name.
-
-A command that reads a volume has a parameter `reader` and the decorator `takes_reader_options`.
-"""
+"""Options of reading and processing INPUT, and the volume that they and INPUT name."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from wavesplat._cli import parsers
-from wavesplat._cli.option_groups import given, with_options_of
+from wavesplat._cli.option_groups import given, option
 from wavesplat._cli.printing import message
-from wavesplat.errors import ArgumentError
+from wavesplat._readers.options import OpenOptions, OpenValues
+from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
+    from wavesplat._model.series import Series
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._scene.scene import Scene
 
-__all__ = [
-    "Input",
-    "InputOrNone",
-    "ReaderOptions",
-    "open_any",
-    "open_samples",
-    "print_guesses",
-    "takes_reader_options",
-    "takes_reader_options_but_channel",
-]
-
-InputOrNone = Annotated[
-    str | None, typer.Argument(metavar="INPUT", help="A volume: file, folder or URL.", show_default=False)
-]
-Input = Annotated[str, typer.Argument(metavar="INPUT", help="A volume: file, folder or URL.", show_default=False)]
+T = TypeVar("T")
 
 
-@dataclass(frozen=True)
-class ReaderOptions:
-    """Options of reading INPUT; the fields are the arguments of `wavesplat.open`."""
+class ReaderOptions(OpenValues):
+    """The options of `wavesplat.open`: here is how they are written."""
 
-    series: Annotated[
-        str | None,
-        typer.Option(
-            metavar="WHICH",
-            help="DICOM, vendors' files: which series, by number, name or start of the UID.",
-        ),
-    ] = None
-    time: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Which time point, from 0. DICOM: which volume of a series, such as an echo."),
-    ] = None
-    channel: Annotated[int | None, typer.Option(metavar="N", help="Which channel, from 0.")] = None
-    dataset: Annotated[str | None, typer.Option(metavar="NAME", help="HDF5, netCDF, .npz, VTK, Zarr: which array.")] = (
-        None
-    )
-    level: Annotated[
-        int | None, typer.Option(metavar="N", help="Of an image with several: level of detail, 0 is the finest.")
-    ] = None
-    shape: Annotated[
-        Any, typer.Option(metavar="Z,Y,X", parser=parsers.whole_numbers, help="Raw: number of samples.")
-    ] = None
-    dtype: Annotated[str | None, typer.Option(metavar="TYPE", help='Raw: type of the samples, such as "uint8".')] = None
-    spacing: Annotated[
-        Any,
-        typer.Option(
-            metavar="X,Y,Z",
-            parser=parsers.numbers(3, "0.7,0.7,1.5"),
-            help="Distances of samples, instead of the file's.",
-        ),
-    ] = None
-    byte_order: Annotated[str | None, typer.Option(metavar="little|big", help="Raw: byte order of the samples.")] = None
-    offset: Annotated[int, typer.Option(metavar="BYTES", help="Raw: bytes before the first sample.")] = 0
-    unit: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Unit of lengths, instead of the file's: mm, um, nm, m, ...")
-    ] = None
-    gaps: Annotated[
-        Any,
-        typer.Option(
-            metavar="fill|refuse",
-            parser=parsers.one_of(("fill", "refuse")),
-            help="DICOM: fill in slices that are missing, or refuse the series.",
-        ),
-    ] = "fill"
-    suv: Annotated[
-        bool, typer.Option("--suv", help="DICOM PET: values as SUV by body weight, corrected for decay.")
-    ] = False
-    component: Annotated[
-        Any,
-        typer.Option(
-            metavar="x|y|z|magnitude",
-            parser=parsers.one_of(("x", "y", "z", "magnitude")),
-            help="Of vectors: which component, or their length.",
-        ),
-    ] = None
-    resample: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Files of uneven grids: sample them evenly, N samples along the longest side."),
-    ] = None
-    external_files: Annotated[
-        bool, typer.Option("--external-files", help="Read files elsewhere that a trusted file or document names.")
-    ] = False
-    memory: Annotated[
-        str | None,
-        typer.Option(metavar="SIZE", help="Read samples as they are drawn, so much of them at once, such as 2GB."),
-    ] = None
-    holes: Annotated[
-        bool, typer.Option("--holes", help="With --memory: leave out samples that cannot be read, and say so.")
-    ] = False
-    cache: Annotated[
-        Any,
-        typer.Option(
-            metavar="FOLDER",
+    TITLE: ClassVar = "What is read"
+    DOCUMENTED: ClassVar = OpenOptions
+    WRITTEN: ClassVar = {
+        "series": option("WHICH"),
+        "time": option("N"),
+        "channel": option("N"),
+        "dataset": option("NAME"),
+        "level": option("N"),
+        "shape": option("Z,Y,X", parser=parsers.whole_numbers),
+        "dtype": option("TYPE"),
+        "spacing": option("X,Y,Z", parser=parsers.numbers(3, "0.7,0.7,1.5")),
+        "byte_order": option("little|big"),
+        "offset": option("BYTES"),
+        "unit": option("NAME"),
+        "gaps": option("fill|refuse", choices=("fill", "refuse")),
+        "suv": option(),
+        "component": option("x|y|z|magnitude", choices=("x", "y", "z", "magnitude")),
+        "resample": option("N"),
+        "external_files": option(),
+        "memory": option("SIZE"),
+        "holes": option(),
+        "cache": option(
+            "FOLDER",
+            "With --memory: keep range and bounds of the samples there, or nowhere: off.",
             parser=parsers.cache_place,
-            help="With --memory: keep range and bounds of the samples there, or nowhere: off.",
             show_default=False,
         ),
-    ] = True
+    }
 
 
-def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command these options on the command line, in the place of its parameter `reader`."""
-    return with_options_of(ReaderOptions, "reader", command)
+@dataclass(repr=False)
+class ProcessingOptions:
+    """Steps of processing the samples once they are read, in this order."""
 
+    TITLE: ClassVar = ReaderOptions.TITLE
 
-def takes_reader_options_but_channel(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command these options without `--channel`, for which it has an option that says more."""
-    return with_options_of(ReaderOptions, "reader", command, without=("channel",))
+    remove_table: bool = option(
+        help="Keep the largest body of a CT alone: no table, headrest and blanket. Needs SciPy.", default=False
+    )
+    smooth: Any = option(
+        "VOXELS|LENGTH",
+        "Smooth by a Gaussian of this deviation: 0.7 in voxels, or 1mm, 20um.",
+        parser=parsers.length,
+    )
 
 
 def open_samples(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Volume:
@@ -163,3 +103,94 @@ def open_any(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Volume
             f"{', '.join(given(reader))} say nothing about a file of wavelet coefficients; leave them out"
         )
     return WaveletVolume.load(path)
+
+
+def processed(
+    path: str, reader: ReaderOptions, processing: ProcessingOptions, *, quiet: bool = False
+) -> Volume | WaveletVolume:
+    """The volume that INPUT names, processed; or its wavelet coefficients, which cannot be."""
+    if not path.lower().endswith(".wavelets"):
+        return processed_samples(path, reader, processing, quiet=quiet)
+    if given(processing):
+        raise ArgumentError(
+            f"{', '.join(given(processing))} change samples, and this is a file of wavelet coefficients; give them to "
+            "`wavesplat wavelet`, which makes such files"
+        )
+    return open_any(path, reader, quiet=quiet)
+
+
+def processed_samples(
+    path: str, reader: ReaderOptions, processing: ProcessingOptions, *, quiet: bool = False
+) -> Volume:
+    """The volume of samples that INPUT names, processed."""
+    return changed_samples(open_samples(path, reader, quiet=quiet), processing)
+
+
+def changed_samples(volume: Volume, processing: ProcessingOptions) -> Volume:
+    """The volume after the processing."""
+    if processing.remove_table:
+        from wavesplat._looks.largest_body import largest_body
+
+        volume = largest_body(volume)
+    deviation = processing.smooth
+    if deviation is None:
+        return volume
+    if deviation.unit is None:
+        return volume.smoothed(deviation.number)
+    return volume.smoothed(deviation.in_world(volume.unit, "--smooth", "give it in voxels"), unit="world")
+
+
+def changed_series(series: Series, processing: ProcessingOptions) -> Series:
+    """The series with volumes that are processed when they are read."""
+    from wavesplat._model.series import Series
+
+    if not given(processing):
+        return series
+    return Series(_Changed(series, processing), name=series.name)
+
+
+class _Changed:
+    def __init__(self, series: Series, processing: ProcessingOptions) -> None:
+        self._series, self._processing = series, processing
+
+    def __len__(self) -> int:
+        return len(self._series)
+
+    def __getitem__(self, number: int) -> Volume:
+        return changed_samples(self._series[number], self._processing)
+
+    def times(self) -> tuple[tuple[float, ...], str | None]:
+        return self._series.times, self._series.time_unit
+
+    def description(self) -> str:
+        return f"series {self._series.name!r}"
+
+
+def series_options(reader: ReaderOptions) -> dict[str, Any]:
+    """Options of the reader as arguments of `open_series`, without time and channel."""
+    return {name: value for name, value in vars(reader).items() if name not in ("time", "channel")}
+
+
+# SUV in pictures of several volumes: those that are PET are in SUV, the others as they are.
+
+
+def in_uptake(opened: Callable[[bool], T], modality_of: Callable[[T], str | None], *, suv: bool, is_alone: bool) -> T:
+    """A volume in SUV where `suv` asks for it; as it is where it is no PET and others are drawn with it.
+
+    opened : opens the volume, in SUV or not.
+    """
+    if not suv or is_alone:
+        return opened(suv)
+    try:
+        return opened(True)
+    except (ArgumentError, FileError):
+        plain = opened(False)  # which says what else is wrong
+        if modality_of(plain) == "PT":
+            raise
+        return plain
+
+
+def check_uptake(scene: Scene, *, suv: bool, others: Iterable[Volume | WaveletVolume] = ()) -> None:
+    """Raise an `ArgumentError` if `--suv` is given and no volume is in SUV. `others`: volumes beside the layers."""
+    if suv and not any(one.value_unit == "SUV" for one in (*(layer.drawn for layer in scene.layers), *others)):
+        raise ArgumentError("--suv is for PET of DICOM, and no volume of the picture is one; leave it out")

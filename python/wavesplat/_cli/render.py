@@ -2,36 +2,31 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
 
 from wavesplat._cli.batches import Batch
-from wavesplat._cli.crop_options import CutOptions, takes_cut_options
-from wavesplat._cli.eye_options import EyeOptions, eye_arguments, takes_eye_options
-from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
-from wavesplat._cli.from_document import draw_from
-from wavesplat._cli.layer_options import LayerOptions, names_of_pictures, takes_layer_options, times_of
-from wavesplat._cli.light_options import LightOptions, takes_light_options
-from wavesplat._cli.outputs import check_outputs, with_paths, write_report
-from wavesplat._cli.printing import is_terminal, print_notes, print_result
-from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
-from wavesplat._cli.reader_options import InputOrNone, ReaderOptions, takes_reader_options_but_channel
-from wavesplat._cli.sampling_options import SamplingOptions, drawing_arguments, takes_sampling_options
-from wavesplat._cli.scene_options import (
-    ChosenScene,
-    SceneOptions,
-    check_scene_options,
-    chosen_scene,
-    takes_scene_options,
+from wavesplat._cli.figure_options import FigureOptions, MarkOptions, annotated, check_figure
+from wavesplat._cli.layer_options import names_of_pictures, times_of
+from wavesplat._cli.option_groups import option
+from wavesplat._cli.printing import (
+    check_outputs,
+    is_terminal,
+    print_notes,
+    print_result,
+    warnings_as_notes,
+    with_paths,
+    write_report,
 )
+from wavesplat._cli.scene_options import ChosenScene, PictureOptions, chosen_scene
 from wavesplat._cli.several_inputs import takes_several_inputs
-from wavesplat._cli.shared_options import Bits, Json, PictureOutput, Quiet, Size
-from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
-from wavesplat._cli.view_options import ViewOptions, camera_for, check_view_options, takes_view_options
+from wavesplat._cli.shared_options import InputOrNone, Json, PictureOutput, Quiet, bits
+from wavesplat._cli.view_options import camera_for, eye_arguments
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -39,135 +34,128 @@ if TYPE_CHECKING:
     from wavesplat._model.camera import Camera
     from wavesplat._scene.scene import Scene
 
-__all__ = ["render"]
-
 #: Place of the channel in the name of an output: a picture of each channel alone.
 PLACE_OF_CHANNEL = "{channel}"
 
 
+@dataclass(repr=False)
+class FileOptions:
+    """What is drawn again, and what is written."""
+
+    again: Path | None = option(
+        "FILE",
+        "Draw again, instead of INPUT: a scene, report, or PNG file that says how it was made; - is stdin.",
+        "--from",
+    )
+    bits: int = bits()
+    embed_scene: bool = option(help="Write the scene into a PNG file, for --from.", default=True)
+    embed_paths: bool = option(
+        None,
+        "Write folders too into PNG files and reports, not names alone.",
+        "--embed-paths/--no-embed-paths",
+        default=False,
+    )
+    report: Path | None = option("FILE.json", "Write how the picture was made.")
+
+
 @takes_several_inputs(".png", words=("channel", "time"))
-@takes_figure_options
-@takes_cut_options
-@takes_light_options
-@takes_reader_options_but_channel
-@takes_layer_options
-@takes_color_options
-@takes_processing_options
-@takes_sampling_options
-@takes_scene_options
-@takes_eye_options
-@takes_view_options
 def render(
     context: typer.Context,
     output: PictureOutput,
     input: InputOrNone = None,
     *,
-    again: Annotated[
-        Path | None,
-        typer.Option(
-            "--from",
-            metavar="FILE",
-            help="Draw again, instead of INPUT: a scene, report, or PNG file that says how it was made; - is stdin.",
-        ),
-    ] = None,
-    layering: LayerOptions,
-    showing: SceneOptions,
-    colors: ColorOptions,
-    viewing: ViewOptions,
-    eyes: EyeOptions,
-    size: Size = "512x512",
-    sampling: SamplingOptions,
-    cuts: CutOptions,
-    lighting: LightOptions,
-    bits: Bits = 8,
+    files: FileOptions,
+    drawing: PictureOptions,
     figure: FigureOptions,
-    embed_scene: Annotated[
-        bool, typer.Option("--embed-scene/--no-embed-scene", help="Write the scene into a PNG file, for --from.")
-    ] = True,
-    embed_paths: Annotated[
-        bool,
-        typer.Option(
-            "--embed-paths/--no-embed-paths", help="Write folders too into PNG files and reports, not names alone."
-        ),
-    ] = False,
-    report: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Write how the picture was made.")] = None,
-    reader: ReaderOptions,
-    processing: ProcessingOptions,
     batch: Batch | None = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Draw a picture of a volume and print its path."""
-    if again is not None:
-        how: Any = {"figure": figure, "bits": bits, "report": report, "json": json, "quiet": quiet}
-        how |= {"threads": sampling.threads, "device": sampling.device, "external_files": reader.external_files}
-        how["embed_paths"] = embed_paths
-        draw_from(context, again, output, **how)
-        return
-    if input is None:
+    if files.again is not None:
+        _refuse_others(context)
+        pictures = [output]
+        made = [_drawn_again(files.again, output, files, drawing, figure=figure, quiet=quiet)]
+    elif input is None:
         raise ArgumentError("INPUT is missing: name a volume, a file, folder or URL, or give --from")
-    check_scene_options(showing, colors, cuts)
-    check_view_options(viewing)
-    of_eyes = eye_arguments(eyes)
-    check_outputs(input, output, "pictures", report)
+    else:
+        drawing.check()
+        check_outputs(input, output, "pictures", files.report)
+        _check_file(files, figure)
+        batch = batch or Batch([input], is_quiet=quiet)
+        pictures, made = _drawn_all(input, output, files, drawing, figure=figure, batch=batch, quiet=quiet)
+    facts = made[0] if len(made) == 1 and (drawing.scene.opening.layering.times is None) else {"pictures": made}
+    if files.report is not None:
+        write_report(files.report, facts, embed_paths=files.embed_paths)
+    print_result(
+        with_paths(facts) if files.embed_paths else facts,
+        "\n".join(map(str, pictures)),
+        as_json=json,
+        written=pictures[-1],
+    )
+
+
+def _check_file(files: FileOptions, figure: FigureOptions) -> None:
     from wavesplat._picture.picture import check_bits
 
-    check_bits(bits)
+    check_bits(files.bits)
     check_figure(figure)
 
+
+def _drawn_all(
+    input: str,
+    output: Path,
+    files: FileOptions,
+    drawing: PictureOptions,
+    *,
+    figure: FigureOptions,
+    batch: Batch,
+    quiet: bool,
+) -> tuple[list[Path], list[dict[str, Any]]]:
+    """Draw and write the pictures of an input; return their paths, and the facts about each."""
+    from wavesplat._cli import progress
+    from wavesplat._scene.summary import stamped
+
     def choose(path: str, looks: Sequence[Look] | None, is_quiet: bool) -> ChosenScene:
-        return chosen_scene(
-            path,
-            showing,
-            colors=colors,
-            layering=layering,
-            cuts=cuts,
-            lighting=lighting,
-            reader=reader,
-            processing=processing,
-            quiet=is_quiet,
-            looks=looks,
-        )
+        return chosen_scene(path, drawing.scene, quiet=is_quiet, looks=looks)
 
-    batch = batch or Batch([input], is_quiet=quiet)
-    chosen = batch.chosen(input, choose, lambda one: _settled(one, viewing, size, eyes))
-    scene, look, operator = chosen.scene, chosen.look, chosen.operator
-    pictures = _pictures(scene, layering.times, input, output)
-    camera = camera_for([one.scene for one in pictures], look, viewing, size, eyes)
-    made = _drawn_all(
-        pictures,
-        camera,
-        input,
-        figure=figure,
-        bits=bits,
-        embed_scene=embed_scene,
-        embed_paths=embed_paths,
-        batch=batch,
-        quiet=quiet,
-        size=size,
-        composite=operator,
-        **of_eyes,
-        **drawing_arguments(sampling),
-    )
-    facts = made[0] if layering.times is None and len(made) == 1 else {"pictures": made}
-    if report is not None:
-        write_report(report, facts, embed_paths=embed_paths)
-    print_result(
-        with_paths(facts) if embed_paths else facts,
-        "\n".join(str(one.path) for one in pictures),
-        as_json=json,
-        written=pictures[-1].path,
-    )
+    size = drawing.sampling.size
+    chosen = batch.chosen(input, choose, lambda one: _settled(one, drawing))
+    planned = _pictures(chosen.scene, drawing.scene.opening.layering.times, input, output)
+    camera = _camera([one.scene for one in planned], chosen.look, drawing)
+    options = {"size": size, "composite": chosen.operator, **drawing.sampling.arguments()}
+    options |= eye_arguments(drawing.eyes, chosen.unit)
+    shown = not quiet and is_terminal()
+    made, title = [], figure.marks.title
+    for scene, path, told in planned:
+        if title and len(planned) > 1:
+            figure = replace(figure, marks=replace(figure.marks, title=stamped(title, scene)))
+
+        def draw(told: Any, scene: Scene = scene) -> Any:
+            return scene.render(camera, progress=told, **options)
+
+        picture: Any = progress.run(draw, "drawing", shown=shown)
+        if not quiet:
+            print_notes(picture)
+        picture = annotated(picture, figure, scene, quiet=quiet)
+        batch.add(input, told if len(planned) > 1 else None, picture, scene.layers[0])
+        picture.save(path, bits=files.bits, dpi=figure.dpi, scene=files.embed_scene, embed_paths=files.embed_paths)
+        made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})
+    return [one.path for one in planned], made
 
 
-def _settled(chosen: ChosenScene, viewing: ViewOptions, size: tuple[int, int], eyes: EyeOptions) -> ChosenScene:
+def _camera(scenes: Sequence[Scene], look: Look, drawing: PictureOptions) -> Camera:
+    return camera_for(scenes, look, drawing.viewing, drawing.sampling.size, drawing.eyes)
+
+
+def _settled(chosen: ChosenScene, drawing: PictureOptions) -> ChosenScene:
     """The scene with greys written out that else follow each view."""
     from wavesplat._movie.seen import with_settled_looks
 
     if all(layer.look is not None for layer in chosen.scene.layers):
         return chosen
-    camera = camera_for([chosen.scene], chosen.look, viewing, size, eyes)
-    scene, _ = with_settled_looks(chosen.scene, chosen.operator, camera, size)
+    camera = _camera([chosen.scene], chosen.look, drawing)
+    scene, _ = with_settled_looks(chosen.scene, chosen.operator, camera, drawing.sampling.size)
     first: Any = scene.layers[0].look
     return chosen._replace(scene=scene, look=first)
 
@@ -215,38 +203,54 @@ def _of_channels(planned: _Planned) -> list[_Planned]:
     return made
 
 
-def _drawn_all(
-    pictures: Sequence[_Planned],
-    camera: Camera,
-    input: str,
-    *,
-    figure: FigureOptions,
-    bits: int,
-    embed_scene: bool,
-    embed_paths: bool,
-    batch: Batch,
-    quiet: bool,
-    **options: Any,
-) -> list[dict[str, Any]]:
-    """Draw and write pictures; return the facts about each."""
-    from wavesplat._scene.summary import stamped
+# `--from`: a picture is drawn again, from the document in its file, in a report, or from a scene.
 
-    made, title = [], figure.title
-    for scene, path, told in pictures:
-        if title and len(pictures) > 1:
-            figure = replace(figure, title=stamped(title, scene))
-        picture = _drawn(scene, camera, shown=not quiet and is_terminal(), **options)
-        if not quiet:
-            print_notes(picture)
-        picture = annotated(picture, figure, scene, quiet=quiet)
-        batch.add(input, told if len(pictures) > 1 else None, picture, scene.layers[0])
-        picture.save(path, bits=bits, dpi=figure.dpi, scene=embed_scene, embed_paths=embed_paths)
-        made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})
-    return made
+#: Parameters that may be given with `--from`: where the picture goes, which files may be read, and those that do not
+#: change what is drawn.
+BESIDE = {"context", "output", "threads", "device", "json", "quiet", "external_files"} | {
+    one.name for kind in (FileOptions, FigureOptions, MarkOptions) for one in fields(kind) if one.name != "embed_scene"
+}
 
 
-def _drawn(scene: Scene, camera: Camera, *, shown: bool, **options: Any) -> Any:
-    """Draw a picture, with a progress bar if `shown`; Ctrl-C stops it."""
+def _drawn_again(
+    path: Path, output: Path, files: FileOptions, drawing: PictureOptions, *, figure: FigureOptions, quiet: bool
+) -> dict[str, Any]:
+    """Draw the picture of the document in a file: a scene, a report, or a PNG file; "-" is the standard input."""
     from wavesplat._cli import progress
+    from wavesplat._scene import scene_files, scene_json
 
-    return progress.run(lambda report: scene.render(camera, progress=report, **options), "drawing", shown=shown)
+    check_outputs(str(path), output, "pictures", files.report)
+    _check_file(files, figure)
+    external_files = drawing.scene.opening.reader.external_files
+    with warnings_as_notes(quiet=quiet):
+        if str(path) == "-":
+            document = scene_json.parse(sys.stdin.read(), Path.cwd(), external_files=external_files)
+        else:
+            document = scene_files.load(path, external_files=external_files)
+    how: Any = {"threads": drawing.sampling.threads, "device": drawing.sampling.device, **document.options}
+
+    def draw(told: Any) -> Any:
+        return document.scene.render(document.camera, progress=told, **how)
+
+    with warnings_as_notes(quiet=quiet):
+        picture = progress.run(draw, "drawing", shown=not quiet and is_terminal())
+    if not quiet:
+        print_notes(picture)
+    if document.figure and figure == FigureOptions():
+        picture = picture.annotated(**document.figure)
+    picture = annotated(picture, figure, document.scene, quiet=quiet)
+    picture.save(output, bits=files.bits, dpi=figure.dpi, embed_paths=files.embed_paths)
+    return {"picture": str(output), "size": list(picture.size), "input": str(path), "report": picture.report}
+
+
+def _refuse_others(context: typer.Context) -> None:
+    """Raise an `ArgumentError` for other options: the document has what they would set."""
+    given = [
+        parameter
+        for parameter in context.command.params
+        if parameter.name not in BESIDE
+        and getattr(context.get_parameter_source(parameter.name or ""), "name", "") == "COMMANDLINE"
+    ]
+    if given:
+        names = ", ".join("INPUT" if one.name == "input" else one.opts[0] for one in given)
+        raise ArgumentError(f"{names}: --from has all that is drawn; leave out either it or them")

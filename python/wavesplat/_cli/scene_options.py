@@ -1,29 +1,36 @@
-"""Options of a scene, and the scene that they make with the options of layers, cuts and light."""
+"""Options of a scene and of its picture, and the scene that they make with those of layers, cuts and light."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
-
-import typer
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, get_args
 
 from wavesplat._cli import parsers
-from wavesplat._cli.color_field_options import color_layer
 from wavesplat._cli.crop_options import CutOptions, chosen_clip
 from wavesplat._cli.geometry_options import GeometryOptions, opened_geometry
-from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
-from wavesplat._cli.layer_options import LayerOptions, further_layers
-from wavesplat._cli.light_options import LightOptions, chosen_shading, exposure_of
-from wavesplat._cli.opened_layers import Channels, changed_channels, opened_in_uptake, refuse_for_channels
-from wavesplat._cli.option_groups import with_options_of
+from wavesplat._cli.layer_options import color_layer, further_layers
+from wavesplat._cli.line_options import LabelOptions, opened_labels
+from wavesplat._cli.opened_layers import (
+    Channels,
+    OpeningOptions,
+    changed_channels,
+    opened_in_uptake,
+    refuse_for_channels,
+)
+from wavesplat._cli.option_groups import option, part
 from wavesplat._cli.printing import message
-from wavesplat._cli.processing_options import ProcessingOptions
-from wavesplat._cli.reader_options import ReaderOptions
-from wavesplat._cli.shared_options import Background, Family, Threshold
-from wavesplat._cli.transfer_function_options import ColorOptions, LookOptions
-from wavesplat._cli.uptake import check_uptake
-from wavesplat._model.options import BY_VIEW, Composite
+from wavesplat._cli.reader_options import check_uptake
+from wavesplat._cli.shared_options import background, family, kernel, picture_size, threads, threshold
+from wavesplat._cli.transfer_function_options import (
+    ColorOptions,
+    LightOptions,
+    LookOptions,
+    chosen_shading,
+    exposure_of,
+)
+from wavesplat._cli.view_options import EyeOptions, ViewOptions, check_eyes, check_view_options, unit_of
+from wavesplat._model.options import BY_VIEW, Composite, Quality
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -31,72 +38,63 @@ if TYPE_CHECKING:
     from wavesplat._model.composites import Operator
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
-__all__ = ["ChosenScene", "SceneOptions", "check_scene_options", "chosen_scene", "takes_scene_options", "unit_of"]
+
+@dataclass(repr=False)
+class OperatorOptions:
+    """Numbers of operators."""
+
+    TITLE: ClassVar = "Operators"
+
+    iso_value: float | None = option("VALUE", "Surface that first-hit shows.")
+    local_threshold: float | None = option("VALUE", "Least maximum that local-maximum stops at.")
+    depth_shading: float | None = option("0..1", "How much depth-shaded-maximum dims the farthest; 0.6.")
+    depth_color: str | None = option(
+        "MAP[:x|y|z]",
+        "Draw the maximum in the colours of its depth, such as turbo, or of its place along an axis: turbo:z.",
+    )
+    attenuate: float | None = option(
+        "PER_VOXEL",
+        "Of attenuated-maximum: how much a voxel of the brightest matter dims what is behind it; 0.05.",
+    )
+    attenuation: Any = option(
+        "CLEAR,PER_UNIT",
+        "Of x-ray: a value that absorbs nothing, and absorption per world unit and unit above it.",
+        parser=parsers.numbers(2, "-1000,2.06e-5"),
+    )
 
 
-@dataclass(frozen=True)
-class SceneOptions(GeometryOptions, LookOptions):
-    """The look of a volume, its labels, operator, wavelets, background and geometry."""
+@dataclass(repr=False)
+class WaveletOptions:
+    """What is left out of wavelets."""
 
-    labels: LabelsFile = None
-    label_table: LabelTable = None
-    segment: Segments = None
-    iso_value: Annotated[float | None, typer.Option(metavar="VALUE", help="Surface that first-hit shows.")] = None
-    local_threshold: Annotated[
-        float | None, typer.Option(metavar="VALUE", help="Least maximum that local-maximum stops at.")
-    ] = None
-    depth_shading: Annotated[
-        float | None, typer.Option(metavar="0..1", help="How much depth-shaded-maximum dims the farthest; 0.6.")
-    ] = None
-    depth_color: Annotated[
-        str | None,
-        typer.Option(
-            metavar="MAP[:x|y|z]",
-            help="Draw the maximum in the colours of its depth, such as turbo, or of its place along an axis: turbo:z.",
-        ),
-    ] = None
-    attenuate: Annotated[
-        float | None,
-        typer.Option(
-            metavar="PER_VOXEL",
-            help="Of attenuated-maximum: how much a voxel of the brightest matter dims what is behind it; 0.05.",
-        ),
-    ] = None
-    attenuation: Annotated[
-        Any,
-        typer.Option(
-            metavar="CLEAR,PER_UNIT",
-            parser=parsers.numbers(2, "-1000,2.06e-5"),
-            help="Of x-ray: a value that absorbs nothing, and absorption per world unit and unit above it.",
-        ),
-    ] = None
-    threshold: Threshold = None
-    wavelet_level: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", help="Leave out the wavelets' N finest levels, and draw at the resolution of the next."
-        ),
-    ] = None
-    bands: Annotated[
-        Any,
-        typer.Option(
-            metavar="W,W,...",
-            parser=parsers.weights,
-            help="A weight for each level of wavelets, the finest first, and for the coarsest samples.",
-        ),
-    ] = None
-    family: Family = "cdf97"
-    background: Background = None
-    keep_table: Annotated[
-        bool,
-        typer.Option(
-            "--keep-table",
-            help="Draw the table below a patient in a CT, which is else left out where it can be told from the body.",
-            show_default=False,
-        ),
-    ] = False
+    TITLE: ClassVar = "Wavelets"
+
+    threshold: float | None = threshold()
+    wavelet_level: int | None = option(
+        "N", "Leave out the wavelets' N finest levels, and draw at the resolution of the next."
+    )
+    bands: Any = option(
+        "W,W,...",
+        "A weight for each level of wavelets, the finest first, and for the coarsest samples.",
+        parser=parsers.weights,
+    )
+    family: str = family()
+
+
+@dataclass(repr=False)
+class AppearanceOptions(GeometryOptions, LabelOptions, WaveletOptions, OperatorOptions, LookOptions):
+    """The look of a volume, its operator, wavelets, labels, geometry and background."""
+
+    TITLE: ClassVar = LookOptions.TITLE
+
+    background: Any = background()
+    keep_table: bool = option(
+        help="Draw the table below a patient in a CT, which is else left out where it can be told from the body.",
+        default=False,
+    )
 
     @property
     def operator(self) -> Composite | None:
@@ -106,9 +104,71 @@ class SceneOptions(GeometryOptions, LookOptions):
         return implied if implied is not None and named in (None, "maximum") else named
 
 
-def takes_scene_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command these options on the command line, in the place of its parameter `showing`."""
-    return with_options_of(SceneOptions, "showing", command)
+@dataclass(repr=False)
+class SceneOptions:
+    """All that makes a scene of INPUT."""
+
+    opening: OpeningOptions = part(OpeningOptions)
+    showing: AppearanceOptions = part(AppearanceOptions)
+    colors: ColorOptions = part(ColorOptions)
+    cuts: CutOptions = part(CutOptions)
+    lighting: LightOptions = part(LightOptions)
+
+    def check(self) -> None:
+        """Refuse options that cannot work, before anything is read."""
+        self.showing.check(self.colors)
+        parsers.refuse_pairs(crop=self.cuts.crop, crop_index=self.cuts.crop_index)
+        if self.showing.operator is not None:
+            _operator(self.showing.operator, self.showing)
+
+
+@dataclass(repr=False)
+class SamplingOptions:
+    """Kernel, quality, threads and device. Without a quality, what is drawn has its own: "normal" for pictures."""
+
+    TITLE: ClassVar = "Size and quality"
+
+    size: Any = picture_size()
+    kernel: Any = kernel()
+    quality: Any = option(
+        help=f"{', '.join(get_args(Quality))}. Normal if not given; of movies between draft and normal.",
+        choices=get_args(Quality),
+    )
+    sheets_per_slice: float | None = option("N", "Instead of what the quality says.")
+    oversampling: float | None = option("N", "Instead of what the quality says.")
+    psnr: float | None = option("DB", "Choose both for this PSNR against the converged picture.")
+    threads: int | None = threads()
+    device: str = option(
+        "NAME", "What draws: auto, cpu, gpu, or part of a GPU's name (gpu-check lists them).", default="auto"
+    )
+
+    def arguments(self) -> dict[str, Any]:
+        """The options but the size as arguments of `Scene.render`."""
+        from wavesplat._model.sampling import Sampling
+
+        return {
+            "kernel": self.kernel,
+            "quality": Sampling(self.sheets_per_slice, self.oversampling, self.quality or "normal"),
+            "psnr": self.psnr,
+            "threads": self.threads,
+            "device": self.device,
+        }
+
+
+@dataclass(repr=False)
+class PictureOptions:
+    """A scene, and how it is seen and drawn."""
+
+    scene: SceneOptions = part(SceneOptions)
+    viewing: ViewOptions = part(ViewOptions)
+    eyes: EyeOptions = part(EyeOptions)
+    sampling: SamplingOptions = part(SamplingOptions)
+
+    def check(self) -> None:
+        """Refuse options that cannot work, before anything is read."""
+        self.scene.check()
+        check_view_options(self.viewing)
+        check_eyes(self.eyes)
 
 
 class ChosenScene(NamedTuple):
@@ -132,30 +192,10 @@ class ChosenScene(NamedTuple):
         return unit_of(self.scene)
 
 
-def unit_of(scene: Scene) -> str | None:
-    """Unit of the lengths of a scene's world, where a file names one."""
-    units = (layer.drawn.facts.unit for layer in scene.layers)
-    return next((unit for unit in units if unit is not None), None)
-
-
-def check_scene_options(showing: SceneOptions, colors: ColorOptions, cuts: CutOptions) -> None:
-    """Refuse options that cannot work, before anything is read."""
-    showing.check(colors)
-    parsers.refuse_pairs(crop=cuts.crop, crop_index=cuts.crop_index)
-    if showing.operator is not None:
-        _operator(showing.operator, showing)
-
-
 def chosen_scene(
     input: str,
-    showing: SceneOptions,
+    options: SceneOptions,
     *,
-    colors: ColorOptions,
-    layering: LayerOptions,
-    cuts: CutOptions,
-    lighting: LightOptions,
-    reader: ReaderOptions,
-    processing: ProcessingOptions,
     quiet: bool,
     all_times: bool = False,
     looks: Sequence[Look] | None = None,
@@ -164,20 +204,52 @@ def chosen_scene(
 
     all_times : keep all times of a file if no time is given. looks : of the layers of INPUT, instead of their own.
     """
+    from wavesplat._model.series import Series
+    from wavesplat._scene.scene import Scene
+
+    showing, layering, reader = options.showing, options.opening.layering, options.opening.reader
+    if showing.keep_table and options.opening.processing.remove_table:
+        raise ArgumentError("--keep-table draws the table, and --remove-table takes it out; give one of them")
+    layers, look, shading = _own_layers(input, options, quiet=quiet, all_times=all_times, looks=looks)
+    first = layers[0].drawn
+    if layering.color_by is not None:
+        if len(layers) > 1:
+            raise ArgumentError("--color-by gives one volume its colours, and channels have their own; choose one")
+        has_times = isinstance(layers[0].volume, Series)
+        color = color_layer(layering.color_by, input, reader, has_times=has_times, quiet=quiet)
+        layers = [replace(layers[0], color_from=color)]
+    further = further_layers(layering.layer, first, time=reader.time or 0, quiet=quiet, suv=reader.suv)
+    scene = Scene(
+        [*layers, *further],
+        labels=opened_labels(showing, first, quiet=quiet),
+        shading=shading,
+        clip=chosen_clip(options.cuts, first),
+        background=showing.background or look.background or "black",
+        keep_table=showing.keep_table,
+        geometry=opened_geometry(showing, first.facts.unit, quiet=quiet),
+    )
+    check_uptake(scene, suv=reader.suv)
+    if not quiet:
+        _note_guesses(scene, look, showing.operator)
+        if layering.times is not None:
+            _note_one_look(scene)
+    return ChosenScene(scene, look, _operator(showing.operator or look.composite, showing), len(layers))
+
+
+def _own_layers(
+    input: str, options: SceneOptions, *, quiet: bool, all_times: bool, looks: Sequence[Look] | None
+) -> tuple[list[Layer], Look, Any]:
+    """The layers of INPUT, the look of the first of them, and the scene's shading."""
     from wavesplat._looks.over_time import brightest
     from wavesplat._model.series import Series
     from wavesplat._scene.layer import Layer
-    from wavesplat._scene.scene import Scene
 
-    if showing.keep_table and processing.remove_table:
-        raise ArgumentError("--keep-table draws the table, and --remove-table takes it out; give one of them")
-    composite = showing.operator
+    showing, colors, lighting = options.showing, options.colors, options.lighting
+    layering = options.opening.layering
     opened = opened_in_uptake(
         input,
-        reader,
-        layering,
-        processing,
-        composite=composite,
+        options.opening,
+        composite=showing.operator,
         quiet=quiet,
         all_times=all_times,
         is_alone=not layering.layer,
@@ -189,49 +261,24 @@ def chosen_scene(
             _check_looks(looks, len(layers), input)
             layers = [replace(layer, look=given) for layer, given in zip(layers, looks, strict=True)]
             look = looks[0]
-        shading: Any = chosen_shading(lighting, None) or ("look" if lighting.shading else None)
-    else:
-        volume = opened if isinstance(opened, Series) else _levels(opened, showing)
-        brief = brightest(volume) if isinstance(volume, Series) else volume
-        if looks is not None:
-            _check_looks(looks, 1, input)
-        # Labels lie on the volume that their look was made for.
-        is_given = looks is not None and looks[0].labels is None
-        look = looks[0] if looks and is_given else showing.look(brief, input, colors, quiet=quiet)
-        exposure = 1.0 if is_given else exposure_of(lighting, look.shading)
-        look = look.changed(exposure=exposure)
-        shading = chosen_shading(lighting, look.shading)
-        if layering.layer:  # which have light of their own
-            look, shading = look if is_given else replace(look, shading=shading), "look"
-        # Greys that depend on the view are left to the renderer.
-        is_chosen_here = look.name == "auto" and not (is_given or layering.layer or layering.times)
-        is_plain = not colors.are_given() and exposure == 1
-        by_view = is_chosen_here and is_plain and look.composite in BY_VIEW
-        layers = [Layer(volume, None if by_view else look)]
-    if layering.color_by is not None:
-        if len(layers) > 1:
-            raise ArgumentError("--color-by gives one volume its colours, and channels have their own; choose one")
-        has_times = isinstance(layers[0].volume, Series)
-        color = color_layer(layering.color_by, input, reader, has_times=has_times, quiet=quiet)
-        layers = [replace(layers[0], color_from=color)]
-    scene = Scene(
-        [
-            *layers,
-            *further_layers(layering.layer, layers[0].drawn, time=reader.time or 0, quiet=quiet, suv=reader.suv),
-        ],
-        labels=opened_labels(showing.labels, showing.label_table, showing.segment, layers[0].drawn, quiet=quiet),
-        shading=shading,
-        clip=chosen_clip(cuts, layers[0].drawn),
-        background=showing.background or look.background or "black",
-        keep_table=showing.keep_table,
-        geometry=opened_geometry(showing, layers[0].drawn.facts.unit, quiet=quiet),
-    )
-    check_uptake(scene, suv=reader.suv)
-    if not quiet:
-        _note_guesses(scene, look, composite)
-        if layering.times is not None:
-            _note_one_look(scene)
-    return ChosenScene(scene, look, _operator(composite or look.composite, showing), len(layers))
+        return layers, look, chosen_shading(lighting, None) or ("look" if lighting.shading else None)
+    volume = opened if isinstance(opened, Series) else _levels(opened, showing)
+    brief = brightest(volume) if isinstance(volume, Series) else volume
+    if looks is not None:
+        _check_looks(looks, 1, input)
+    # Labels lie on the volume that their look was made for.
+    is_given = looks is not None and looks[0].labels is None
+    look = looks[0] if looks and is_given else showing.look(brief, input, colors, quiet=quiet)
+    exposure = 1.0 if is_given else exposure_of(lighting, look.shading)
+    look = look.changed(exposure=exposure)
+    shading: Any = chosen_shading(lighting, look.shading)
+    if layering.layer:  # which have light of their own
+        look, shading = look if is_given else replace(look, shading=shading), "look"
+    # Greys that depend on the view are left to the renderer.
+    is_chosen_here = look.name == "auto" and not (is_given or layering.layer or layering.times)
+    is_plain = not colors.are_given() and exposure == 1
+    by_view = is_chosen_here and is_plain and look.composite in BY_VIEW
+    return [Layer(volume, None if by_view else look)], look, shading
 
 
 def _check_looks(looks: Sequence[Look], n: int, input: str) -> None:
@@ -242,53 +289,42 @@ def _check_looks(looks: Sequence[Look], n: int, input: str) -> None:
         )
 
 
-#: Options of a number -> the operator that takes it.
-NUMBERS = {
-    "iso_value": "first-hit",
-    "local_threshold": "local-maximum",
-    "depth_shading": "depth-shaded-maximum",
-    "depth_color": "depth-colored-maximum",
-    "attenuate": "attenuated-maximum",
-    "attenuation": "x-ray",
-}
-
-
 #: Options that say which operator they are for, where none or a plain maximum is named.
 IMPLYING: dict[str, Composite] = {"depth_color": "depth-colored-maximum", "attenuate": "attenuated-maximum"}
 
 
-def _operator(composite: Composite, showing: SceneOptions) -> Operator:
-    """The operator with its number; an `ArgumentError` where the number is for another operator."""
-    from wavesplat._model.composites import (
-        AttenuatedMaximum,
-        DepthColoredMaximum,
-        DepthShadedMaximum,
-        FirstHit,
-        LocalMaximum,
-        XRay,
-    )
+#: Operators that take a number -> its option, and their class.
+NUMBERS = {
+    "first-hit": ("iso_value", "FirstHit"),
+    "local-maximum": ("local_threshold", "LocalMaximum"),
+    "depth-shaded-maximum": ("depth_shading", "DepthShadedMaximum"),
+    "depth-colored-maximum": ("depth_color", "DepthColoredMaximum"),
+    "attenuated-maximum": ("attenuate", "AttenuatedMaximum"),
+    "x-ray": ("attenuation", "XRay"),
+}
 
-    for name, owner in NUMBERS.items():
-        if getattr(showing, name) is not None and composite != owner:
-            option = f"--{name.replace('_', '-')}"
+
+def _operator(composite: Composite, showing: AppearanceOptions) -> Operator:
+    """The operator with its number; an `ArgumentError` where the number is for another operator."""
+    from wavesplat._model import composites
+
+    for owner, (field, _) in NUMBERS.items():
+        if getattr(showing, field) is not None and composite != owner:
+            name = f"--{field.replace('_', '-')}"
             raise ArgumentError(
-                f"{option} is for --composite {owner}, not for {composite}; give that, or leave out {option}"
+                f"{name} is for --composite {owner}, not for {composite}; give that, or leave out {name}"
             )
-    if composite == "first-hit":
-        if showing.iso_value is None:
-            raise ArgumentError("--composite first-hit needs the value of the surface; give it as --iso-value")
-        return FirstHit(showing.iso_value)
-    if composite == "local-maximum":
-        return LocalMaximum(showing.local_threshold)
-    if composite == "depth-shaded-maximum":
-        return DepthShadedMaximum() if showing.depth_shading is None else DepthShadedMaximum(showing.depth_shading)
-    if composite == "depth-colored-maximum":
-        return DepthColoredMaximum() if showing.depth_color is None else _in_depth_colors(showing.depth_color)
-    if composite == "attenuated-maximum":
-        return AttenuatedMaximum() if showing.attenuate is None else AttenuatedMaximum(showing.attenuate)
-    if composite == "x-ray":
-        return XRay(*(showing.attenuation or ()))
-    return composite
+    if composite not in NUMBERS:
+        return composite
+    field, kind = NUMBERS[composite]
+    number = getattr(showing, field)
+    if composite == "first-hit" and number is None:
+        raise ArgumentError("--composite first-hit needs the value of the surface; give it as --iso-value")
+    if composite == "depth-colored-maximum" and number is not None:
+        return _in_depth_colors(number)
+    numbers = () if number is None else number if isinstance(number, tuple) else (number,)
+    operator: Operator = getattr(composites, kind)(*numbers)
+    return operator
 
 
 def _in_depth_colors(text: str) -> Operator:
@@ -324,7 +360,7 @@ def _is_colormap(name: str) -> bool:
     return True
 
 
-def _levels(volume: Volume | WaveletVolume, showing: SceneOptions) -> Volume | WaveletVolume:
+def _levels(volume: Volume | WaveletVolume, showing: AppearanceOptions) -> Volume | WaveletVolume:
     """The volume to draw: wavelets if any of these options asks for them, without the levels and bands left out."""
     from wavesplat._model.wavelet_volume import WaveletVolume
 

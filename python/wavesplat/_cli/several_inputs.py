@@ -20,14 +20,12 @@ from typing import Annotated, Any
 
 import typer
 
-from wavesplat._cli.batches import Batch, batch_of, batch_parameters
-from wavesplat._cli.input_names import is_folder, stem_of
+from wavesplat._cli.batches import Batch, BatchOptions, batch_of, is_folder, stem_of
+from wavesplat._cli.option_groups import expanded, parameters_of, with_signature
 from wavesplat._cli.printing import collected, message, print_lines
 from wavesplat._files.addresses import is_address, safe_address
 from wavesplat._files.patterns import matching_files
 from wavesplat.errors import ArgumentError, WavesplatError
-
-__all__ = ["takes_several_inputs"]
 
 _INPUTS = typer.Argument(
     metavar="INPUT...",
@@ -55,9 +53,10 @@ def takes_several_inputs(
     A command with a parameter `batch` is given the `Batch` of all inputs, and has its options.
     """
 
-    def changed(command: Callable[..., None]) -> Callable[..., None]:
+    def changed(plain: Callable[..., None]) -> Callable[..., None]:
+        command = expanded(plain)
         signature = inspect.signature(command, eval_str=True)
-        together = batch_parameters() if "batch" in signature.parameters else []
+        together = parameters_of(BatchOptions) if "batch" in signature.parameters else []
 
         @wraps(command)
         def with_several(*, input: list[str] | None = None, **options: Any) -> None:
@@ -86,10 +85,7 @@ def takes_several_inputs(
                 parameters.append(parameter.replace(annotation=kind))
             else:
                 parameters += together if parameter.name == "batch" else [parameter]
-        # Typer reads one or the other, depending on its release.
-        with_several.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-        with_several.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
-        return with_several
+        return with_signature(with_several, parameters)
 
     return changed
 

@@ -2,37 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import ceil
-from typing import Annotated, Any, get_args
-
-import typer
+from typing import Any, ClassVar, get_args
 
 from wavesplat._cli import parsers
-from wavesplat._cli.comparison_options import Checkerboard, Difference, Tiles, opened_comparison
-from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
-from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
-from wavesplat._cli.layer_options import FurtherLayers, ShownChannels, further_layers
-from wavesplat._cli.line_options import ContoursFile, IsolinesTexts, opened_contours, opened_isolines
-from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import print_notes, print_result, warnings_as_notes
-from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
-from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options_but_channel
-from wavesplat._cli.several_inputs import takes_several_inputs
-from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Quiet, Threads, Zoom
-from wavesplat._cli.slice_input import FirstLayers, first_layers
-from wavesplat._cli.transfer_function_options import (
-    ColorOptions,
-    LookOptions,
-    TransferFunctionFile,
-    takes_color_options,
+from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure
+from wavesplat._cli.layer_options import ChannelOptions, further_layers
+from wavesplat._cli.line_options import (
+    ComparisonOptions,
+    LabelOptions,
+    LineOptions,
+    opened_comparison,
+    opened_contours,
+    opened_isolines,
+    opened_labels,
 )
-from wavesplat._cli.uptake import check_uptake
+from wavesplat._cli.opened_layers import FirstLayers, first_layers
+from wavesplat._cli.option_groups import option, part
+from wavesplat._cli.printing import check_outputs, print_notes, print_result, warnings_as_notes
+from wavesplat._cli.reader_options import ProcessingOptions, ReaderOptions, check_uptake
+from wavesplat._cli.several_inputs import takes_several_inputs
+from wavesplat._cli.shared_options import (
+    Input,
+    Json,
+    PictureOutput,
+    Quiet,
+    background,
+    bits,
+    kernel,
+    picture_size,
+    threads,
+    zoom,
+)
+from wavesplat._cli.transfer_function_options import ColorOptions, NamedLookOptions
 from wavesplat._model.options import Slab
 from wavesplat._model.views import PLANES
 from wavesplat.errors import ArgumentError
-
-__all__ = ["slice"]
 
 #: Sheets of the three planes.
 OF_THREE = ("all", "ortho")
@@ -44,180 +50,180 @@ PLANE_PX = 2048
 ON_AXIS = 1e-9
 
 
+@dataclass(repr=False)
+class SheetOptions:
+    """Several slices on one sheet."""
+
+    TITLE: ClassVar = "Several slices"
+
+    positions: Any = option(
+        "START:STOP:STEP|N",
+        "Several slices on one sheet: positions such as 10:80:10 or 10,20,35, or 1mm:8mm:0.5mm, or how many.",
+        parser=parsers.positions,
+    )
+    columns: int | None = option("N", "Slices in a row of the sheet.")
+    reference_lines: bool | None = option(
+        None,
+        "On a sheet: lines where the other planes lie, if not given on three planes; of --positions on a scout, a "
+        "slice at right angles.",
+        "--reference-lines/--no-reference-lines",
+        show_default=False,
+    )
+
+
+@dataclass(repr=False)
+class PlaneOptions:
+    """Where the slice lies, how thick it is, and how it is drawn."""
+
+    TITLE: ClassVar = "Slice"
+
+    plane: Any = option(
+        help=f"{', '.join(PLANES)}; all three on one sheet: all in a row, ortho aligned; else axial or xy.",
+        choices=(*PLANES, *OF_THREE),
+    )
+    position: Any = option(
+        "LENGTH",
+        "Where the plane crosses its axis, or how far from the point: world units, or with its unit, such as 12mm.",
+        parser=parsers.length,
+    )
+    point: Any = option("X,Y,Z", "Any plane: a point on it, world units.", parser=parsers.numbers(3, "0,0,50"))
+    normal: Any = option("X,Y,Z", "Any plane: at right angles to this.", parser=parsers.numbers(3, "0,0.3,1"))
+    thickness: Any = option(
+        "LENGTH",
+        "Of a slab around the plane: world units, or with its unit, such as 5mm or 20um.",
+        default="0",
+        parser=parsers.length,
+    )
+    slab: Any = option(
+        help=f"What is kept across it: {', '.join(get_args(Slab))}.", default="maximum", choices=get_args(Slab)
+    )
+    size: Any = picture_size(
+        "Pixels; if not given, one per sample of the finest spacing, and 512 or more of a patient's slice.", None
+    )
+    zoom: float = zoom()
+    center: Any = option("X,Y,Z", "World position in the picture's middle.", parser=parsers.numbers(3, "0,0,50"))
+    kernel: Any = kernel()
+    background: Any = background("black")
+    bits: int = bits()
+    threads: int | None = threads()
+    sheet: SheetOptions = part(SheetOptions)
+
+    @property
+    def is_sheet(self) -> bool:
+        """Whether several slices are drawn on one sheet."""
+        return self.sheet.positions is not None or self.plane in OF_THREE
+
+    def check(self) -> None:
+        """Refuse options that cannot work, before anything is read."""
+        parsers.refuse_pairs(plane=self.plane, normal=self.normal)
+        parsers.refuse_pairs(position=self.position, positions=self.sheet.positions)
+        if self.plane in OF_THREE:
+            parsers.refuse_pairs(plane=self.plane, position=self.position)
+            parsers.refuse_pairs(plane=self.plane, positions=self.sheet.positions)
+        for name in ("columns", "reference_lines"):
+            if getattr(self.sheet, name) is not None and not self.is_sheet:
+                written = f"--{name.replace('_', '-')}"
+                raise ArgumentError(f"{written} is for several slices on one sheet; give --positions, or --plane all")
+        if (self.point is None) != (self.normal is None):
+            raise ArgumentError("--point and --normal belong together; give both, or a --plane")
+
+    def arguments(self, first: FirstLayers, plane: Any) -> dict[str, Any]:
+        """The options as arguments of `wavesplat.slice`, of lengths in the unit of the volume."""
+        own = _size(first.volume, plane) if self.size is None and not self.is_sheet else self.size
+        return {
+            "size": own,
+            "thickness": self.thickness.in_world(first.volume.unit, "--thickness"),
+            **{name: getattr(self, name) for name in ("zoom", "center", "kernel", "slab", "background", "threads")},
+        }
+
+
 @takes_several_inputs(".png")
-@takes_figure_options
-@takes_reader_options_but_channel
-@takes_color_options
-@takes_processing_options
 def slice(
     input: Input,
     output: PictureOutput,
     *,
-    plane: Annotated[
-        Any,
-        typer.Option(
-            metavar="NAME",
-            parser=parsers.one_of((*PLANES, *OF_THREE)),
-            help=f"{', '.join(PLANES)}; all three on one sheet: all in a row, ortho aligned; else axial or xy.",
-        ),
-    ] = None,
-    position: Annotated[
-        float | None,
-        typer.Option(metavar="MM", help="Where the plane crosses its axis, or how far from the point; world units."),
-    ] = None,
-    positions: Annotated[
-        Any,
-        typer.Option(
-            metavar="START:STOP:STEP|N",
-            parser=parsers.positions,
-            help="Several slices on one sheet: positions such as 10:80:10 or 10,20,35, or how many.",
-        ),
-    ] = None,
-    columns: Annotated[int | None, typer.Option(metavar="N", help="Slices in a row of the sheet.")] = None,
-    reference_lines: Annotated[
-        bool | None,
-        typer.Option(
-            "--reference-lines/--no-reference-lines",
-            help="On a sheet: lines where the other planes lie, if not given on three planes; of --positions on a "
-            "scout, a slice at right angles.",
-            show_default=False,
-        ),
-    ] = None,
-    point: Annotated[
-        Any,
-        typer.Option(
-            metavar="X,Y,Z", parser=parsers.numbers(3, "0,0,50"), help="Any plane: a point on it, world units."
-        ),
-    ] = None,
-    normal: Annotated[
-        Any,
-        typer.Option(metavar="X,Y,Z", parser=parsers.numbers(3, "0,0.3,1"), help="Any plane: at right angles to this."),
-    ] = None,
-    size: Annotated[
-        Any,
-        typer.Option(
-            metavar="WxH",
-            parser=parsers.size,
-            help="Pixels; if not given, one per sample of the finest spacing, and 512 or more of a patient's slice.",
-        ),
-    ] = None,
-    zoom: Zoom = 1.0,
-    center: Annotated[
-        Any,
-        typer.Option(
-            metavar="X,Y,Z", parser=parsers.numbers(3, "0,0,50"), help="World position in the picture's middle."
-        ),
-    ] = None,
-    kernel: Kernel = "linear",
-    thickness: Annotated[float, typer.Option(metavar="MM", help="Of a slab around the plane, world units.")] = 0.0,
-    slab: Annotated[
-        Any,
-        typer.Option(
-            metavar="NAME",
-            parser=parsers.one_of(get_args(Slab)),
-            help=f"What is kept across it: {', '.join(get_args(Slab))}.",
-        ),
-    ] = "maximum",
-    preset: Annotated[str | None, typer.Option(metavar="NAME", help="Colours: a transfer function by name.")] = None,
-    tf: TransferFunctionFile = None,
-    channel: ShownChannels = None,
-    layer: FurtherLayers = None,
-    labels: LabelsFile = None,
-    label_table: LabelTable = None,
-    segment: Segments = None,
-    checkerboard: Checkerboard = None,
-    tiles: Tiles = None,
-    difference: Difference = None,
-    contours: ContoursFile = None,
-    isolines: IsolinesTexts = None,
+    plane: PlaneOptions,
+    look: NamedLookOptions,
     colors: ColorOptions,
+    channels: ChannelOptions,
+    labels: LabelOptions,
+    lines: LineOptions,
+    comparison: ComparisonOptions,
     figure: FigureOptions,
-    background: Background = "black",
-    bits: Bits = 8,
-    threads: Threads = None,
     reader: ReaderOptions,
     processing: ProcessingOptions,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Draw a slice through a volume, thin or thick, or several on one sheet, and print the picture's path."""
-    parsers.refuse_pairs(preset=preset, tf=tf)
-    parsers.refuse_pairs(plane=plane, normal=normal)
-    parsers.refuse_pairs(position=position, positions=positions)
-    is_sheet = positions is not None or plane in OF_THREE
-    if plane in OF_THREE:
-        parsers.refuse_pairs(plane=plane, position=position)
-        parsers.refuse_pairs(plane=plane, positions=positions)
-    for option, value in (("--columns", columns), ("--reference-lines", reference_lines)):
-        if value is not None and not is_sheet:
-            raise ArgumentError(f"{option} is for several slices on one sheet; give --positions, or --plane all")
-    if (point is None) != (normal is None):
-        raise ArgumentError("--point and --normal belong together; give both, or a --plane")
+    parsers.refuse_pairs(preset=look.preset, tf=look.tf)
+    plane.check()
     check_outputs(input, output, "pictures")
     from wavesplat._picture.picture import check_bits
-    from wavesplat._scene.lightbox import lightbox
     from wavesplat._scene.scene import Scene
-    from wavesplat._scene.slicing import slice as cut
 
-    check_bits(bits)
+    check_bits(plane.bits)
     check_figure(figure)
-    look = LookOptions(preset=preset, tf=tf)
     first = first_layers(
         input,
+        channels,
         reader,
-        channel,
+        processing,
         look=look,
         colors=colors,
-        processing=processing,
-        is_alone=not (layer or isolines or checkerboard or difference),
-        n_pixels=zoom * (max(size) if size else PLANE_PX),
+        is_alone=not (channels.layer or lines.isolines or comparison.checkerboard or comparison.difference),
+        n_pixels=plane.zoom * (max(plane.size) if plane.size else PLANE_PX),
         quiet=quiet,
     )
-    if difference is not None:
-        _check_colors(first, tf)
-    of_plane: Any = plane or _only_plane(first.volume) if normal is None else (point, normal)
-    if size is None and not is_sheet:
-        size = _size(first.volume, of_plane)
-    options: Any = {
-        "size": size,
-        "zoom": zoom,
-        "center": center,
-        "kernel": kernel,
-        "thickness": thickness,
-        "slab": slab,
+    if comparison.difference is not None and not (first.is_grey or look.tf):
+        raise ArgumentError("--difference has its own colours; give their ends as --clim LOW,HIGH, or others as --tf")
+    of_plane: Any = plane.plane or _only_plane(first.volume) if plane.normal is None else (plane.point, plane.normal)
+    options: Any = plane.arguments(first, of_plane) | {
         "window": colors.window if first.is_grey else None,
         "clim": colors.clim if first.is_grey else None,
         "transfer_function": first.transfer_function,
-        "background": background,
-        "threads": threads,
     }
+    how: Any = {"time": reader.time or 0, "quiet": quiet, "suv": reader.suv}
     with warnings_as_notes(quiet=quiet):
-        further = further_layers(layer, first.volume, time=reader.time or 0, quiet=quiet, suv=reader.suv)
+        further = further_layers(channels.layer, first.volume, **how)
         # Segments, and the table, may be of the contours alone.
-        of_labels = (None, None) if contours and not labels else (label_table, segment)
-        shown_labels = opened_labels(labels, *of_labels, first.volume, quiet=quiet)
-        scene = Scene([*first.layers, *further], labels=shown_labels)
-        lines = opened_isolines(isolines, first.volume, time=reader.time or 0, quiet=quiet, suv=reader.suv)
-        compared = opened_comparison(
-            checkerboard, tiles, difference, first.volume, time=reader.time or 0, quiet=quiet, suv=reader.suv
-        )
-        check_uptake(scene, suv=reader.suv, others=[*(one.volume for one in lines or ()), *compared.volumes])
-        regions = opened_contours(contours, None if labels else label_table, segment, first.volume, quiet=quiet)
-        options |= {"contours": regions, "isolines": lines, **compared.arguments}
-        if is_sheet:
-            bar: Any = figure.scale_bar if figure.bar_length is None else figure.bar_length
-            options |= {"columns": columns, "reference_lines": reference_lines, "scale_bar": bar}
-            picture = lightbox(scene, of_plane, positions, **options)
-            # Each slice has its letters, and one of them the bar.
-            figure = replace(figure, figure=False, letters=False, scale_bar=False, bar_length=None)
-        else:
-            picture = cut(scene, of_plane, position, **options)
+        of_lines = lines.contours and not labels.labels
+        shown = LabelOptions() if of_lines else labels
+        scene = Scene([*first.layers, *further], labels=opened_labels(shown, first.volume, quiet=quiet))
+        isolines = opened_isolines(lines.isolines, first.volume, **how)
+        compared = opened_comparison(comparison, first.volume, **how)
+        check_uptake(scene, suv=reader.suv, others=[*(one.volume for one in isolines or ()), *compared.volumes])
+        table = None if labels.labels else labels.label_table
+        regions = opened_contours(lines.contours, table, labels.segment, first.volume, quiet=quiet)
+        options |= {"contours": regions, "isolines": isolines, **compared.arguments}
+        picture, figure = _cut(scene, of_plane, plane, figure, options)
     if not quiet:
         print_notes(picture)
     picture = annotated(picture, figure, scene, quiet=quiet)
-    picture.save(output, bits=bits, dpi=figure.dpi)
+    picture.save(output, bits=plane.bits, dpi=figure.dpi)
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     print_result(facts, output, as_json=json, written=output)
+
+
+def _cut(
+    scene: Any, of_plane: Any, plane: PlaneOptions, figure: FigureOptions, options: dict[str, Any]
+) -> tuple[Any, FigureOptions]:
+    """The picture of one slice or of a sheet, and the figure that is still to be drawn on it."""
+    from wavesplat._scene.lightbox import lightbox
+    from wavesplat._scene.slicing import slice as cut
+
+    unit, positions = scene.layers[0].drawn.unit, plane.sheet.positions
+    if not plane.is_sheet:
+        position = plane.position and plane.position.in_world(unit, "--position")
+        return cut(scene, of_plane, position, **options), figure
+    if isinstance(positions, tuple):
+        positions = [one.in_world(unit, "--positions") for one in positions]
+    marks = figure.marks
+    bar: Any = marks.scale_bar if marks.bar_length is None else marks.bar_length
+    options |= {"columns": plane.sheet.columns, "reference_lines": plane.sheet.reference_lines, "scale_bar": bar}
+    # Each slice has its letters, and one of them the bar.
+    left = replace(figure, figure=False, marks=replace(marks, letters=False, scale_bar=False, bar_length=None))
+    return lightbox(scene, of_plane, positions, **options), left
 
 
 def _only_plane(volume: Any) -> Any:
@@ -236,12 +242,6 @@ def _only_plane(volume: Any) -> Any:
         return volume.bounds.mean(axis=0).tolist(), normal.tolist()
     names = ("sagittal", "coronal", "axial") if volume.is_anatomical else ("yz", "xz", "xy")
     return names[axis]
-
-
-def _check_colors(first: FirstLayers, tf: object) -> None:
-    """Refuse colours of the volume's values for a difference."""
-    if not (first.is_grey or tf):
-        raise ArgumentError("--difference has its own colours; give their ends as --clim LOW,HIGH, or others as --tf")
 
 
 def _size(volume: Any, plane: Any) -> tuple[int, int]:

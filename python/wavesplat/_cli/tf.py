@@ -6,33 +6,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import print_lines
-from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
-from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
+from wavesplat._cli.printing import check_outputs, print_lines
+from wavesplat._cli.reader_options import ProcessingOptions, ReaderOptions, processed
 from wavesplat._cli.several_inputs import takes_several_inputs
-from wavesplat._cli.shared_options import Quiet
-from wavesplat._cli.transfer_function_options import (
-    ColorOptions,
-    LookOptions,
-    takes_color_options,
-    takes_look_options,
-)
+from wavesplat._cli.shared_options import Input, Quiet, output
+from wavesplat._cli.transfer_function_options import ColorOptions, LookOptions
 
 
 @takes_several_inputs(".json")
-@takes_reader_options
-@takes_color_options
-@takes_look_options
-@takes_processing_options
 def tf(
     input: Input,
     *,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="OUT", help="File to write: .json.", show_default=False)
-    ] = None,
+    output: Annotated[Path | None, output("File to write: .json.")] = None,
     looks: LookOptions,
     colors: ColorOptions,
     reader: ReaderOptions,

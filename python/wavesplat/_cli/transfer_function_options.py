@@ -1,76 +1,87 @@
-"""Options of looks, and the look that `--preset`, `--tf`, `--cmap` or `--materials` name."""
+"""Options of looks and light: what `--preset`, `--tf`, `--cmap`, `--materials` name, and its shading."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_args
-
-import typer
+from typing import TYPE_CHECKING, Any, ClassVar, get_args
 
 from wavesplat._cli import parsers
-from wavesplat._cli.option_groups import with_options_of
+from wavesplat._cli.option_groups import given, option
 from wavesplat._cli.printing import warnings_as_notes
 from wavesplat._model.options import COMPOSITE_SYNONYMS, Composite
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from wavesplat._looks.look import Look
+    from wavesplat._looks.shading import Shading
     from wavesplat._looks.transfer_function import TransferFunction
     from wavesplat._looks.transfer_function_2d import TransferFunction2D
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-TransferFunctionFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--tf",
-        metavar="FILE[#NAME]",
-        help="Look from a file: ours (.json), 3D Slicer's (.vp, .vp.json, .xml), ParaView's (.json, .xml, .pvsm, .py).",
-    ),
-]
+
+def _light(text: str) -> Any:
+    """The name of a light, or its direction."""
+    if text in ("key", "headlight"):
+        return text
+    return parsers.numbers(3, "-1,1,1.5, key or headlight")(text)
 
 
-@dataclass(frozen=True)
+@dataclass(repr=False)
+class LightOptions:
+    """Options of light; those that are not given leave the look's own settings."""
+
+    TITLE: ClassVar = "Light"
+
+    shading: bool = option(help="Light the surfaces, or draw colours as they are.", default=True)
+    light: Any = option(
+        "key|headlight|X,Y,Z",
+        "key: from the upper left, with a fill light. headlight: as VTK and Slicer have it. Or the direction to it: x "
+        "right, y up, z to the eye.",
+        parser=_light,
+    )
+    ambient: float | None = option("SHARE", "Light that comes from everywhere.")
+    diffuse: float | None = option("SHARE", "Light on surfaces that face it.")
+    specular: float | None = option("SHARE", "Highlights.")
+    specular_power: float | None = option("POWER", "Higher is a smaller, sharper highlight.")
+    exposure: float | None = option("FACTOR", "Factor of all light; 1 changes nothing.")
+    occlusion: float | None = option("0..1", "How much hollows darken.")
+    shadow: float | None = option("0..1", "How dark the first light's shadow is.")
+    gradient_smoothing: float | None = option(
+        "VOXELS", "Smooth normals by 0.5 to 1.25 voxels; 0: differences, as VTK has them."
+    )
+
+
+@dataclass(repr=False)
 class ColorOptions:
     """Options of a colour map over a range of values; without a map, changes of the look that is drawn."""
 
-    cmap: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Colour map of matplotlib or others: viridis, inferno, coolwarm_r, cmocean:ice. Alone, of fields, it "
-            "colours what is seen without it.",
-        ),
-    ] = None
-    clim: Annotated[
-        Any,
-        typer.Option(
-            metavar="LOW,HIGH",
-            parser=parsers.ends("0,500"),
-            help="Values of the first and the last colour, or percentiles (1%,99.8%); the look's own if not given.",
-        ),
-    ] = None
-    window: Annotated[
-        Any,
-        typer.Option(
-            metavar="NAME|LEVEL,WIDTH",
-            parser=parsers.window,
-            help="Instead, as radiologists say it: bone, lung, brain, abdomen, mediastinum, liver, ..., or level and "
-            "width; or percentiles.",
-        ),
-    ] = None
-    log: Annotated[bool, typer.Option("--log", help="Map colours to the logarithm of the values.")] = False
-    opacity: Annotated[
-        Any,
-        typer.Option(
-            metavar="NAME|A,A,...",
-            parser=parsers.opacity,
-            help="Over the range: linear, sigmoid, sqrt, a number, or numbers, 0..1.",
-        ),
-    ] = None
-    gamma: Annotated[float, typer.Option(metavar="G", help="Less than 1 brightens mid-tones.")] = 1.0
+    TITLE: ClassVar = "Look"
+
+    cmap: str | None = option(
+        "NAME",
+        "Colour map of matplotlib or others: viridis, inferno, coolwarm_r, cmocean:ice. Alone, of fields, it colours "
+        "what is seen without it.",
+    )
+    clim: Any = option(
+        "LOW,HIGH",
+        "Values of the first and the last colour, or percentiles (1%,99.8%); the look's own if not given.",
+        parser=parsers.ends("0,500"),
+    )
+    window: Any = option(
+        "NAME|LEVEL,WIDTH",
+        "Instead, as radiologists say it: bone, lung, brain, abdomen, mediastinum, liver, ..., or level and width; or "
+        "percentiles.",
+        parser=parsers.window,
+    )
+    log: bool = option(help="Map colours to the logarithm of the values.", default=False)
+    opacity: Any = option(
+        "NAME|A,A,...",
+        "Over the range: linear, sigmoid, sqrt, a number, or numbers, 0..1.",
+        parser=parsers.opacity,
+    )
+    gamma: float = option("G", "Less than 1 brightens mid-tones.", default=1.0)
 
     def are_given(self) -> bool:
         """Whether any of these options is set."""
@@ -112,24 +123,26 @@ class ColorOptions:
         return None if self.window is None and self.clim is None else limits(volume, self.window, self.clim)
 
 
-@dataclass(frozen=True)
-class LookOptions:
+@dataclass(repr=False)
+class NamedLookOptions:
+    """Options of a look by name or from a file."""
+
+    TITLE: ClassVar = ColorOptions.TITLE
+
+    preset: str | None = option("NAME", "Look by name, see `wavesplat presets`; in 3D auto if nothing is given.")
+    tf: Path | None = option(
+        "FILE[#NAME]",
+        "Look from a file: ours (.json), 3D Slicer's (.vp, .vp.json, .xml), ParaView's (.json, .xml, .pvsm, .py).",
+    )
+
+
+@dataclass(repr=False)
+class LookOptions(NamedLookOptions):
     """Options of a look: by name, from a file, or of materials."""
 
-    preset: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="Look by name, see `wavesplat presets`; auto if nothing is given."),
-    ] = None
-    tf: TransferFunctionFile = None
-    materials: Annotated[
-        str | None, typer.Option(metavar="FILE.json|ct|fit", help="Materials: a file, a preset, or from the histogram.")
-    ] = None
-    surfaces: Annotated[
-        float | None,
-        typer.Option(metavar="0..1", help="Share of the materials' opacity that lies at their boundaries."),
-    ] = None
-
-    composite: Annotated[Any, parsers.choice((*get_args(Composite), *COMPOSITE_SYNONYMS))] = None
+    materials: str | None = option("FILE.json|ct|fit", "Materials: a file, a preset, or from the histogram.")
+    surfaces: float | None = option("0..1", "Share of the materials' opacity that lies at their boundaries.")
+    composite: Any = option(choices=(*get_args(Composite), *COMPOSITE_SYNONYMS))
 
     @property
     def operator(self) -> Composite | None:
@@ -184,16 +197,6 @@ class LookOptions:
         return self.preset in (None, "auto") and self.tf is None
 
 
-def takes_look_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command these options on the command line, in the place of its parameter `looks`."""
-    return with_options_of(LookOptions, "looks", command)
-
-
-def takes_color_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command these options on the command line, in the place of its parameter `colors`."""
-    return with_options_of(ColorOptions, "colors", command)
-
-
 def named_look(
     volume: Volume | WaveletVolume,
     *,
@@ -242,3 +245,38 @@ def _function_of_materials(
     else:
         materials = Materials.load(given) if given.endswith(".json") else Materials.preset(given)
     return materials.transfer_function() if surfaces is None else materials.surfaces(surfaces)
+
+
+def exposure_of(options: LightOptions, own: Shading | None) -> float:
+    """The factor of the light that an unlit look gives off, which `--exposure` is unless other options light it."""
+    exposure = options.exposure
+    return exposure if own is None and exposure is not None and given(options) == ["--exposure"] else 1.0
+
+
+def chosen_shading(options: LightOptions, own: Shading | None) -> Shading | None:
+    """A look's own shading, changed by the options; None without shading."""
+    from wavesplat._looks.shading import Light, Shading
+
+    asked = given(options)
+    if not options.shading:
+        if len(asked) > 1:
+            others = ", ".join(name for name in asked if name != "--shading")
+            raise ArgumentError(f"{others} are light; leave out --no-shading")
+        return None
+    if not asked or (own is None and asked == ["--exposure"]):
+        return own
+    if options.light == "headlight":
+        base = Shading.headlight()
+    elif own is None or options.light == "key":
+        base = Shading()
+    else:
+        base = own
+    terms = ("ambient", "diffuse", "specular", "specular_power", "exposure", "shadow", "gradient_smoothing")
+    changes: dict[str, Any] = {name: getattr(options, name) for name in terms if getattr(options, name) is not None}
+    if options.exposure is not None:
+        changes["exposure"] = base.exposure * options.exposure
+    if options.occlusion is not None:
+        changes["ambient_occlusion"] = options.occlusion
+    if isinstance(options.light, tuple):
+        changes["lights"] = [Light(options.light)]
+    return base.changed(**changes)

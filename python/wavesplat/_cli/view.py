@@ -7,25 +7,19 @@ import signal
 import sys
 import threading
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
 
 import typer
 
-from wavesplat._cli import parsers
-from wavesplat._cli.crop_options import CutOptions, takes_cut_options
 from wavesplat._cli.geometry_options import opened_geometry
-from wavesplat._cli.layer_options import LayerOptions, takes_layer_options
-from wavesplat._cli.light_options import LightOptions, takes_light_options
 from wavesplat._cli.option_groups import given as options_given
-from wavesplat._cli.printing import message, print_lines
-from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
-from wavesplat._cli.reader_options import InputOrNone, ReaderOptions, takes_reader_options_but_channel
-from wavesplat._cli.scene_options import SceneOptions, check_scene_options, chosen_scene, takes_scene_options
-from wavesplat._cli.shared_options import Kernel, Quiet
-from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
-from wavesplat._cli.view_options import ViewOptions, camera_for, check_view_options, takes_view_options
-from wavesplat._cli.view_saving import SaveOptions, check_save_options, save_seen, takes_save_options
+from wavesplat._cli.option_groups import option
+from wavesplat._cli.printing import check_outputs, message, print_lines
+from wavesplat._cli.scene_options import SceneOptions, chosen_scene
+from wavesplat._cli.shared_options import InputOrNone, Quiet, kernel, picture_size
+from wavesplat._cli.view_options import ViewOptions, camera_for, check_view_options
 from wavesplat._files.addresses import is_address
 from wavesplat._model.options import Quality
 from wavesplat._viewer.example_names import EXAMPLES
@@ -34,87 +28,82 @@ from wavesplat.errors import ArgumentError, WavesplatError
 if TYPE_CHECKING:
     from wavesplat._viewer.state import ViewerState
 
-#: Size, pixels, of the window that the first view is framed for.
+#: Size, pixels, of the window that the first view is framed for, and of a picture without --size.
 FIRST_SIZE = (1024, 768)
 #: Seconds that an error waits for a page that can show it.
 TELLING_S = 5.0
 
 
-@takes_cut_options
-@takes_light_options
-@takes_reader_options_but_channel
-@takes_layer_options
-@takes_color_options
-@takes_processing_options
-@takes_scene_options
-@takes_view_options
-@takes_save_options
+@dataclass(repr=False)
+class OpenedOptions:
+    """What is opened instead of INPUT, and how it is drawn."""
+
+    state: Path | None = option(
+        "FILE.json", "What the viewer saved, or a scene, instead of INPUT and its options; - is stdin."
+    )
+    example: Any = option(help=f"Instead of INPUT one of {', '.join(EXAMPLES)}.", choices=tuple(EXAMPLES))
+    quality: Any = option(help="Of the picture at rest.", default="normal", choices=get_args(Quality))
+    kernel: Any = kernel()
+
+    @property
+    def render(self) -> dict[str, Any]:
+        """Options of pictures."""
+        return {"quality": self.quality, "kernel": self.kernel}
+
+
+@dataclass(repr=False)
+class SaveOptions:
+    """A picture of what the viewer shows, and what is on it."""
+
+    TITLE: ClassVar = "A picture without a page"
+
+    save: Path | None = option("OUT", "Write a picture of what is shown, and end; no page is opened.")
+    shown: Any = option(
+        help="Of --save: 3d, a slice by the axis across it, z, y or x, or all, two by two.",
+        default="3d",
+        choices=("3d", "z", "y", "x", "all"),
+    )
+    size: Any = picture_size("Of --save: pixels; 1024x768 without it.", None)
+    marks: bool = option(help="Of --save: draw measures, scale bars, letters, colour bar, legend.", default=True)
+
+    def check(self, input: str | None, *, is_named: bool) -> None:
+        """Refuse options that cannot work, before anything is read."""
+        if self.save is not None and not is_named:
+            raise ArgumentError("INPUT: name one for --save: a volume, --state FILE.json or --example NAME")
+        if self.save is not None:
+            check_outputs(input or "-", self.save, "pictures", option="--save")
+        elif self != SaveOptions():
+            raise ArgumentError("--shown, --size and --marks are for the picture of --save; name it, or leave them out")
+
+
 def view(
     input: InputOrNone = None,
     *,
-    state: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE.json", help="What the viewer saved, or a scene, instead of INPUT and its options; - is stdin."
-        ),
-    ] = None,
-    example: Annotated[
-        Any,
-        typer.Option(
-            metavar="NAME",
-            parser=parsers.one_of(tuple(EXAMPLES)),
-            help=f"Instead of INPUT one of {', '.join(EXAMPLES)}.",
-        ),
-    ] = None,
-    layering: LayerOptions,
-    showing: SceneOptions,
-    colors: ColorOptions,
-    viewing: ViewOptions,
-    saving: SaveOptions,
-    quality: Annotated[
-        Any, typer.Option(metavar="NAME", parser=parsers.one_of(get_args(Quality)), help="Of the picture at rest.")
-    ] = "normal",
-    kernel: Kernel = "linear",
-    cuts: CutOptions,
-    lighting: LightOptions,
-    reader: ReaderOptions,
-    processing: ProcessingOptions,
+    own: OpenedOptions,
     port: Annotated[
         int, typer.Option(metavar="N", min=0, max=65535, help="Port of this machine; 0: one that is free.")
     ] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
+    saving: SaveOptions,
+    scene: SceneOptions,
+    viewing: ViewOptions,
     quiet: Quiet = False,
 ) -> None:
     """Look at a volume and turn it, in the browser; without INPUT choose one there; Ctrl-C ends."""
-    given = [
-        name for name, value in (("INPUT", input), ("--state", state), ("--example", example)) if value is not None
-    ]
-    _check_named(given, showing, colors, viewing, layering, cuts, lighting, reader, processing)
-    check_scene_options(showing, colors, cuts)
+    named = _named(input, own, scene, viewing)
+    scene.check()
     check_view_options(viewing)
     _check_there(input)
-    check_save_options(saving, input, is_named=bool(given))
-
-    def opened() -> ViewerState:
-        return _opened(
-            input,
-            state,
-            example,
-            external_files=reader.external_files,
-            options={"quality": quality, "kernel": kernel},
-            showing=showing,
-            viewing=viewing,
-            colors=colors,
-            layering=layering,
-            cuts=cuts,
-            lighting=lighting,
-            reader=reader,
-            processing=processing,
-            quiet=quiet,
-        )
-
+    saving.check(input, is_named=named is not None)
     if saving.save is not None:
-        save_seen(saving, opened())
+        from wavesplat._viewer.seen import check_shown, seen
+
+        shown = check_shown(saving.shown)
+        picture = seen(
+            _opened(input, own, scene, viewing, quiet=quiet), shown, saving.size or FIRST_SIZE, marks=saving.marks
+        )
+        picture.save(saving.save)
+        print_lines(str(saving.save), written=saving.save)
         return
     from wavesplat._viewer.server import Server
 
@@ -126,18 +115,18 @@ def view(
             _tell_how_to_reach(server.port)
         if browser:
             server.open_in_browser()
-        if not given:
-            _serve(server, None, render={"quality": quality, "kernel": kernel})
-        server.send_progress(f"Opening {_name(input, state, example)}")
+        if named is None:
+            _serve(server, None, render=own.render)
+        server.send_progress(f"Opening {named}")
         try:
-            first = opened()
+            first = _opened(input, own, scene, viewing, quiet=quiet)
         except WavesplatError as error:
             server.fail(str(error))
             # The page, which may not be there yet, gets the message before the server ends.
             if server.has_reported.wait(TELLING_S if browser else 0):
                 threading.Event().wait(0.3)
             raise
-        _serve(server, first, None if input is None else str(input))
+        _serve(server, first, input)
     except KeyboardInterrupt:
         if not quiet:
             message("the viewer has ended")
@@ -153,16 +142,29 @@ def _check_there(input: str | None) -> None:
         check_readable(Path(input).expanduser())
 
 
-def _check_named(given: list[str], *groups: Any) -> None:
-    """Refuse several things to open, and options about a volume where the page asks for a file."""
+def _named(input: str | None, own: OpenedOptions, *groups: Any) -> str | None:
+    """The name of what is opened, None if the page asks for a file.
+
+    Raises
+    ------
+    ArgumentError
+        For several things to open, and for options about a volume where none is named.
+    """
+    names = {
+        "INPUT": input and (input.rstrip("/").rpartition("/")[2] or input),
+        "--state": own.state and own.state.name,
+        "--example": own.example,
+    }
+    given = {what: name for what, name in names.items() if name is not None}
     if len(given) > 1:
         raise ArgumentError(f"{' and '.join(given)}: name one: a volume, --state FILE.json or --example NAME")
-    named = [] if given else [name for group in groups for name in options_given(group)]
-    if named:
+    options = options_given(*groups)
+    if options and not given:
         raise ArgumentError(
-            f"INPUT: name one for {', '.join(named)}: a volume, --state FILE.json or --example NAME; without these "
+            f"INPUT: name one for {', '.join(options)}: a volume, --state FILE.json or --example NAME; without these "
             "options, and without INPUT, the page asks for a file"
         )
+    return next(iter(given.values()), None)
 
 
 def _serve(
@@ -211,60 +213,39 @@ def _end_as_by_ctrl_c() -> None:
 
 
 def _opened(
-    input: str | None,
-    state: Path | None,
-    example: str | None,
-    *,
-    external_files: bool,
-    options: dict[str, Any],
-    showing: SceneOptions,
-    viewing: ViewOptions,
-    colors: ColorOptions,
-    **others: Any,
+    input: str | None, own: OpenedOptions, options: SceneOptions, viewing: ViewOptions, *, quiet: bool
 ) -> ViewerState:
     from wavesplat._viewer.state import ViewerState
 
-    if state is not None:
+    if own.state is not None:
         from wavesplat._scene import scene_files, scene_json
 
-        if str(state) == "-":
+        external_files = options.opening.reader.external_files
+        if str(own.state) == "-":
             document = scene_json.parse(sys.stdin.read(), Path.cwd(), external_files=external_files)
         else:
-            document = scene_files.load(state, external_files=external_files)
+            document = scene_files.load(own.state, external_files=external_files)
         shown = {name: value for name, value in document.options.items() if name in ("quality", "kernel", "composite")}
         return ViewerState.of(document.scene, document.camera, shown, document.view)
-    if example is not None:
-        return _of_example(example, showing, viewing, colors, options, quiet=others["quiet"])
-    chosen = chosen_scene(str(input), showing, colors=colors, all_times=True, **others)
-    camera = camera_for([chosen.scene], chosen.look, viewing, FIRST_SIZE)
-    return ViewerState.of(chosen.scene, camera, {**options, "composite": chosen.operator})
+    if own.example is not None:
+        scene, look, operator = _of_example(own.example, options, quiet=quiet)
+    else:
+        scene, look, operator, _ = chosen_scene(str(input), options, quiet=quiet, all_times=True)
+    camera = camera_for([scene], look, viewing, FIRST_SIZE)
+    return ViewerState.of(scene, camera, {**own.render, "composite": operator})
 
 
-def _of_example(
-    name: str,
-    showing: SceneOptions,
-    viewing: ViewOptions,
-    colors: ColorOptions,
-    options: dict[str, Any],
-    *,
-    quiet: bool,
-) -> ViewerState:
+def _of_example(name: str, options: SceneOptions, *, quiet: bool) -> tuple[Any, Any, Any]:
+    """The scene of an example, its look, and the operator."""
     from wavesplat import examples
     from wavesplat._scene.scene import Scene
-    from wavesplat._viewer.state import ViewerState
 
+    showing = options.showing
     volume = getattr(examples, name)()
-    look = showing.look(volume, name, colors, quiet=True)
+    look = showing.look(volume, name, options.colors, quiet=True)
     geometry = opened_geometry(showing, volume.facts.unit, quiet=quiet)
     scene = Scene(volume, look, background=showing.background or look.background or "black", geometry=geometry)
-    camera = camera_for([scene], look, viewing, FIRST_SIZE)
-    return ViewerState.of(scene, camera, {**options, "composite": showing.operator or look.composite})
-
-
-def _name(input: str | None, state: Path | None, example: str | None) -> str:
-    if input is not None:
-        return input.rstrip("/").rpartition("/")[2] or input
-    return state.name if state is not None else str(example)
+    return scene, look, showing.operator or look.composite
 
 
 def _tell_how_to_reach(port: int) -> None:

@@ -2,42 +2,35 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
-
-from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.parsers import one_of
-from wavesplat._cli.printing import print_result
-from wavesplat._cli.processing_options import ProcessingOptions, processed_samples, takes_processing_options
-from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
+from wavesplat._cli.option_groups import option
+from wavesplat._cli.printing import check_outputs, print_result
+from wavesplat._cli.reader_options import ProcessingOptions, ReaderOptions, processed_samples
 from wavesplat._cli.several_inputs import takes_several_inputs
-from wavesplat._cli.shared_options import Family, Json, Quiet, Threshold
+from wavesplat._cli.shared_options import Input, Json, Quiet, family, output, threshold
 
-__all__ = ["wavelet"]
+
+@dataclass(repr=False)
+class CoefficientOptions:
+    """The wavelets, and the coefficients that are kept: arguments of `WaveletVolume.from_volume`."""
+
+    family: str = family()
+    threshold: float | None = threshold()
+    keep: float | None = option("SHARE", "Keep this share of the coefficients, 0..1.")
+    psnr: float | None = option("DB", "Keep as few as give samples of this PSNR.")
+    levels: int | None = option("N", "Levels of details; all if not given.")
+    normalisation: Any = option(help="What amplitudes are measured by: l2, peak.", default="l2", choices=("l2", "peak"))
 
 
 @takes_several_inputs(".wavelets")
-@takes_reader_options
-@takes_processing_options
 def wavelet(
     input: Input,
     *,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="OUT", help="File to write: .wavelets.", show_default=False)
-    ] = None,
-    family: Family = "cdf97",
-    threshold: Threshold = None,
-    keep: Annotated[
-        float | None, typer.Option(metavar="SHARE", help="Keep this share of the coefficients, 0..1.")
-    ] = None,
-    psnr: Annotated[float | None, typer.Option(metavar="DB", help="Keep as few as give samples of this PSNR.")] = None,
-    levels: Annotated[int | None, typer.Option(metavar="N", help="Levels of details; all if not given.")] = None,
-    normalisation: Annotated[
-        Any,
-        typer.Option(metavar="NAME", parser=one_of(("l2", "peak")), help="What amplitudes are measured by: l2, peak."),
-    ] = "l2",
+    output: Annotated[Path | None, output("File to write: .wavelets.")] = None,
+    coefficients: CoefficientOptions,
     reader: ReaderOptions,
     processing: ProcessingOptions,
     json: Json = False,
@@ -50,9 +43,7 @@ def wavelet(
     from wavesplat._model.wavelet_volume import WaveletVolume
 
     volume = processed_samples(input, reader, processing, quiet=quiet)
-    wavelets = WaveletVolume.from_volume(
-        volume, family, threshold=threshold, keep=keep, psnr=psnr, levels=levels, normalisation=normalisation
-    )
+    wavelets = WaveletVolume.from_volume(volume, **vars(coefficients))
     facts = describe.describe_wavelets(wavelets, volume)
     text = describe.wavelet_lines(facts)
     if output is not None:

@@ -87,3 +87,16 @@ def _documentation(text: str | None, listed: type, *, in_full: bool) -> str | No
     else:
         entries = textwrap.wrap(", ".join(listed.__annotations__), WIDTH)
     return "\n".join([*lines[:begin], *entries, *lines[end:]])
+
+
+def first_sentences(listed: type) -> dict[str, str]:
+    """The first sentence on each option of a list, for one line of help; empty where Python left out documentation."""
+    found: dict[str, list[str]] = {}
+    name = ""
+    for line in inspect.cleandoc(listed.__doc__ or "").partition("----------\n")[2].partition("\n\n")[0].splitlines():
+        if line.startswith(" "):
+            found[name].append(line.strip())
+        else:
+            name = line.partition(" ")[0]
+            found[name] = []
+    return {name: " ".join(lines).partition(". ")[0].rstrip(".") + "." for name, lines in found.items()}

@@ -1,11 +1,12 @@
-"""Options of reading files: names, types and meaning, once for all functions that open files.
+"""Options of reading files: names, types, defaults and meaning, once for all functions that open files.
 
-Their defaults stand in `Request` (`request.py`).
+The first sentence on an option is also its help on the command line.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, Literal, TypedDict
 
@@ -14,7 +15,7 @@ from wavesplat._public import public
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike
 
-__all__ = ["FileOptions", "OpenOptions"]
+__all__ = ["FileOptions", "OpenOptions", "OpenValues"]
 
 
 class FileOptions(TypedDict, total=False):
@@ -46,55 +47,56 @@ class OpenOptions(FileOptions, total=False):
     Parameters
     ----------
     series : int or str, optional
-        DICOM: which series, if there are several: its number, its description (or a part of it that no other has;
-        capitals do not count), its modality ("CT"), or its UID or the start of it. Microscopes' files by bioio: which
-        image, by number or name. The error that asks for it lists them.
-    time, channel : int, optional
-        Which time point and which channel, from 0, if the file holds several. DICOM: which volume of a series, such as
-        an echo, or magnitude or phase.
-        BigDataViewer: which setup, in the order of their numbers, be it a channel, a tile or an angle.
-        In arrays without named axes (.npy, raw, HDF5), time is the first axis and channel the last.
+        DICOM, vendors' files: which series or image, by number, name or start of the UID. DICOM: also by its
+        description, or a part of it that no other has (capitals do not count), or its modality ("CT"). The error that
+        asks for it lists them.
+    time : int, optional
+        Which time point, from 0; of DICOM which volume of a series, such as an echo, magnitude or phase. In arrays
+        without named axes (.npy, raw, HDF5) time is the first axis.
+    channel : int, optional
+        Which channel, from 0; of BigDataViewer which setup, in the order of their numbers, be it a channel, a tile or
+        an angle. In arrays without named axes channel is the last axis.
     dataset : str, optional
-        HDF5, netCDF, .npz, VTK, Zarr, cubes, VASP: the name of the array, if there are several; of OME-Zarr the path of
+        HDF5, netCDF, .npz, VTK, Zarr, cubes, VASP: the name of the array, if there are several. Of OME-Zarr the path of
         an image in a series or plate, such as "A/1/0".
     level : int, optional
         OME-Zarr, Imaris, BigDataViewer: the level of detail; 0, the default, is the finest.
-    shape, dtype : optional
-        Raw: number of samples (z, y, x) and their type, such as "uint8".
+    shape : (z, y, x), optional
+        Raw: number of samples.
+    dtype : optional
+        Raw: type of the samples, such as "uint8".
     spacing : three numbers (x, y, z), optional
-        Distances between neighbouring samples, instead of what the file says, in its unit or in `unit`.
+        Distances between neighbouring samples, instead of the file's, in its unit or in `unit`.
     byte_order : "little" or "big", optional
-        Raw: of samples wider than a byte; little by default.
+        Raw: byte order of samples wider than a byte; little by default.
     offset : int, default 0
         Raw: bytes before the first sample.
     unit : str, optional
-        The world's unit of length, "mm", "um", "nm", "m", ..., instead of what the file says; numbers stay as they are.
+        Unit of lengths, instead of the file's: mm, um, nm, m, ...; numbers stay as they are.
     gaps : "fill" or "refuse", default "fill"
-        DICOM: slices that are missing, or not evenly spaced, are filled in from their neighbours with a warning, or an
-        error.
+        DICOM: fill in slices that are missing or not evenly spaced, or refuse the series. They are filled in from their
+        neighbours, with a warning.
     suv : bool, default False
-        DICOM: a PET's values as standardised uptake values (SUV) by body weight, corrected for decay as the header
-        says, by the pseudo-code of QIBA. An error names what the header lacks for it.
+        DICOM PET: values as standardised uptake values (SUV) by body weight, corrected for decay. This follows the
+        header and the pseudo-code of QIBA; an error names what the header lacks for it.
     component : "x", "y", "z" or "magnitude", optional
-        Of arrays of vectors (HDF5, VTK, NIfTI, MINC 2, Zarr, NumPy): which component, or their length. None is the
-        length, with a note; of directions of fibres in NIfTI, three channels.
+        Of vectors (HDF5, VTK, NIfTI, MINC 2, Zarr, NumPy): which component, or their length. None is the length, with a
+        note; of directions of fibres in NIfTI, three channels.
     resample : int, optional
-        netCDF, VTK, openPMD's modes: sample a grid that is not evenly spaced on one that is, with so many samples along
-        its longest side; netCDF, whose axes have units of their own, along each axis that is not even. Without it such
-        a grid is an error. A note says how much finer or coarser the samples are than the grid.
+        Uneven grids (netCDF, VTK, openPMD's modes): sample them evenly, with this many samples along the longest side.
+        Of netCDF, whose axes have units of their own, along each axis that is not even. Without it such a grid is an
+        error. A note says how much finer or coarser the samples are than the grid.
     external_files : bool, default False
-        NRRD, MetaImage, OME-TIFF, HDF5, BigDataViewer: also read samples from files that this one names in other
-        folders; HDF5: from any that it names. Such a file can name whatever you may read: allow it for files that you
-        trust.
+        Read files in other folders, too, that a trusted file or document names. NRRD, MetaImage, OME-TIFF, HDF5 and
+        BigDataViewer can name files of samples, HDF5 anywhere: any that you may read.
     memory : str or number, optional
-        Leave the samples where they are, and read them while they are drawn, with at most this many bytes in memory,
-        such as "2 GB": a `LazyVolume`, as from `Volume.lazy`, with all levels of the image. None does the same where
-        the samples take more than a quarter of the free memory. Not for files that are compressed as one stream, and
-        not for DICOM.
+        Leave the samples in their files, and read them while they are drawn: at most this many bytes, such as "2GB". It
+        gives a `LazyVolume`, as from `Volume.lazy`, with all levels of the image. None does the same where the samples
+        take more than a quarter of the free memory. Not for files that are compressed as one stream, and not for DICOM.
     holes : bool, default False
-        With `memory`: samples that cannot be read are left out and reported, instead of an error.
+        With `memory`: leave out samples that cannot be read, and report them, instead of an error.
     cache : bool or path, default True
-        With `memory`: where range and bounds of the samples are kept, as for `Volume.lazy`: the user's cache folder, a
+        With `memory`: where range and bounds of the samples are kept. As for `Volume.lazy`: the user's cache folder, a
         folder of that name, or nowhere.
 
     Examples
@@ -108,3 +110,30 @@ class OpenOptions(FileOptions, total=False):
 
     time: int | None
     channel: int | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OpenValues:
+    """The values of `OpenOptions`."""
+
+    series: str | int | None = None
+    time: int | None = None
+    channel: int | None = None
+    dataset: str | None = None
+    level: int | None = None
+    shape: Sequence[int] | None = None
+    dtype: DTypeLike | None = None
+    spacing: Sequence[float] | None = None
+    byte_order: Literal["little", "big"] | None = None
+    offset: int = 0
+    unit: str | None = None
+    gaps: Literal["fill", "refuse"] = "fill"
+    suv: bool = False
+    component: Literal["x", "y", "z", "magnitude"] | None = None
+    resample: int | None = None
+    external_files: bool = False
+    #: For volumes that are left in their files: bytes that are held at once, whether samples that cannot be read are
+    #: left out, and where surveys are kept.
+    memory: float | str | None = None
+    holes: bool = False
+    cache: bool | str | PathLike[str] = True

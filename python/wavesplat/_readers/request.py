@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,8 @@ from wavesplat._files.named_files import check_within
 from wavesplat._files.paths import expanded
 from wavesplat._model import units
 from wavesplat._model.facts import Facts
+from wavesplat._readers.options import OpenValues
 from wavesplat.errors import ArgumentError, FileError
-
-if TYPE_CHECKING:
-    from numpy.typing import DTypeLike
 
 __all__ = [
     "Grid",
@@ -102,31 +100,10 @@ def several(
 
 
 @dataclass(frozen=True)
-class Request:
+class Request(OpenValues):
     """The arguments of `wavesplat.open`: a path, and the values of `OpenOptions`."""
 
     path: str | PathLike[str]
-    series: str | int | None = None
-    time: int | None = None
-    channel: int | None = None
-    dataset: str | None = None
-    level: int | None = None
-    shape: Sequence[int] | None = None
-    dtype: DTypeLike | None = None
-    spacing: Sequence[float] | None = None
-    byte_order: Literal["little", "big"] | None = None
-    offset: int = 0
-    unit: str | None = None
-    gaps: Literal["fill", "refuse"] = "fill"
-    suv: bool = False
-    component: Literal["x", "y", "z", "magnitude"] | None = None
-    resample: int | None = None
-    external_files: bool = False
-    #: For volumes that are left in their files: bytes that are held at once, whether samples that cannot be read are
-    #: left out, and where surveys are kept.
-    memory: float | str | None = None
-    holes: bool = False
-    cache: bool | str | PathLike[str] = True
     #: The folder of the document that names the file, which must lie in it; None where the user names it.
     within: Path | None = None
     #: State that readers keep from one time point of a file to the next, such as a file that is read on.

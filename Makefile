@@ -165,7 +165,7 @@ test-arm: ## lint and test the vector kernels on 64-bit ARM, emulated by qemu; m
 test-napari: $(STAMPS)/tools ## try the plugin with napari itself, without a window; downloads 400 MB
 	$(BIN)/python -m venv .cache/napari && .cache/napari/bin/pip install --quiet 'napari[pyside6]>=0.6' 'bioio>=3' bioio-ome-tiff bioio-ome-zarr
 	PYTHONPATH=$(CURDIR)/python:$$(python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') QT_QPA_PLATFORM=offscreen \
-		.cache/napari/bin/python -m pytest -n0 -W default -p no:cacheprovider python/tests/test_napari.py python/tests/test_foreign.py python/tests/test_saved_volumes.py -k "napari or bioio"
+		.cache/napari/bin/python -m pytest -n0 -W default -p no:cacheprovider python/tests/model/test_napari.py python/tests/model/test_foreign.py python/tests/model/test_saved_volumes.py -k "napari or bioio"
 
 web: web/node_modules ## check, test and build the viewer's page; needs Node 20
 	cd web && npm run --silent types && npm run --silent lint && npm test --silent && npm run --silent build
@@ -192,7 +192,7 @@ viewer-pictures: $(STAMPS)/tools web/node_modules ## photograph the viewer: dark
 	cd web && node browser/photographs.mjs ../docs/pictures
 
 fuzz: $(STAMPS)/tools ## feed damaged files, documents and messages to all that reads them, FUZZ_SECONDS for each of 68 targets (100, an hour); FUZZ="-k dicom" are some
-	FUZZ_SECONDS=$(FUZZ_SECONDS) pytest python/tests/test_fuzzed_files.py python/tests/test_fuzzed_documents.py $(FUZZ)
+	FUZZ_SECONDS=$(FUZZ_SECONDS) pytest python/tests/house/test_fuzzed_files.py python/tests/house/test_fuzzed_documents.py $(FUZZ)
 	$(if $(FUZZ),,FUZZ_SECONDS=$(FUZZ_SECONDS) fuzz/run.sh)
 
 fixtures: ## write the fixtures of the stages anew, from their formulas

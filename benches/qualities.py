@@ -14,7 +14,7 @@ import psnr
 import scenes
 
 import wavesplat as ws
-from wavesplat._model.options import Quality
+from wavesplat._model.arguments.sampling import Quality
 
 CONVERGED = ws.Sampling(16, 4)
 N_PICTURES = 3

@@ -153,7 +153,7 @@ def opened(memory: str | None, keep: Any) -> tuple[ws.Volume, Counting | None]:
     """Open the volume on disk, in memory or lazily."""
     import zarr
 
-    from wavesplat._model.lazy_array import lazy_array
+    from wavesplat._model.lazy.array import lazy_array
 
     array = zarr.open_array(zarr_path(), mode="r")
     if memory is None:
@@ -201,7 +201,7 @@ def first_reads(memory: str, look: ws.Look | None) -> dict[str, Any]:
     """Count the reads of the chunks of 768^3 samples by the pass before a first picture, and by the picture."""
     import zarr
 
-    from wavesplat._model.lazy_array import lazy_array
+    from wavesplat._model.lazy.array import lazy_array
 
     counting = Counting(lazy_array(zarr.open_array(zarr_path(768), mode="r")).levels[0])
     volume: Any = ws.Volume.lazy(counting, memory=memory, cache=False)
@@ -245,7 +245,7 @@ def slow(case: str) -> dict[str, Any]:
             time.sleep(self.seconds_each)
             return super().read(lo, hi)
 
-    from wavesplat._model.lazy_array import lazy_array
+    from wavesplat._model.lazy.array import lazy_array
 
     array = Waiting(lazy_array(samples).levels[0])
     array.chunks, array.is_in_memory, array.n_readers = (CHUNK, n, n), False, 1  # type: ignore[attr-defined]
@@ -338,7 +338,7 @@ def planned() -> dict[str, Any]:
 
 def same_bytes() -> dict[str, Any]:
     """Count the volumes of BENCH_DATA whose pictures are the same, lazily and in memory."""
-    from wavesplat._model.lazy_array import lazy_array
+    from wavesplat._model.lazy.array import lazy_array
 
     folder, told = Path(os.environ.get("BENCH_DATA", "../shared/data")), {"same": 0, "other": 0}
     names = []

@@ -14,7 +14,7 @@ import numpy as np
 import zarr
 
 import wavesplat as ws
-from wavesplat._files.zarr_states import chunk_files
+from wavesplat._storage.zarr.chunk_files import chunk_files
 
 #: Chunks along each axis: 10,000 in all.
 GRID = (10, 25, 40)

@@ -29,9 +29,9 @@ import numpy as np
 from PIL import Image
 
 import wavesplat as ws
-from wavesplat._viewer.picturing import picture_of
-from wavesplat._viewer.questions import state_from_text
-from wavesplat._viewer.state import ViewerState
+from wavesplat._viewer.answers.questions import state_from_text
+from wavesplat._viewer.session.picturing import picture_of
+from wavesplat._viewer.session.state import ViewerState
 
 ROOT = Path(__file__).resolve().parents[1]
 #: Name, example, preset, and the PSNR that is asked for while moving.
@@ -63,7 +63,7 @@ def first_frame_s(example: str, preset: str, checkout: Path) -> float:
     """Seconds from the command to the first frame, for a page that is there already."""
     code = """
 import asyncio, json, sys, tornado.httpclient, tornado.websocket
-from wavesplat._viewer.framing import packed, unpacked
+from wavesplat._viewer.server.messages import packed, unpacked
 async def run(link):
     address, _, token = link.partition("/#token=")
     request = tornado.httpclient.HTTPRequest(address.replace("http", "ws") + "/socket", headers={"Origin": address})

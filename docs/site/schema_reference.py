@@ -14,7 +14,7 @@ from sphinx.util.docutils import SphinxDirective
 
 import wavesplat
 
-SCHEMA = Path(wavesplat.__file__).parent / "_scene" / "scene.schema.json"
+SCHEMA = Path(wavesplat.__file__).parent / "_scene" / "documents" / "scene.schema.json"
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

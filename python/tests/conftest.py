@@ -40,7 +40,7 @@ def documents_keep_to_their_schemas():
     import jsonschema
 
     from wavesplat._picture.report import FIELDS, Report
-    from wavesplat._scene import scene_json
+    from wavesplat._scene.documents import scene_json
 
     schema = Path(scene_json.__file__).with_name("scene.schema.json")
     scenes = jsonschema.Draft202012Validator(json.loads(schema.read_text(encoding="utf-8")))

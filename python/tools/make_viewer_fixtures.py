@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import wavesplat as ws
-from wavesplat._viewer.state import ViewerState
+from wavesplat._viewer.session.state import ViewerState
 
 SCHEMA = Path(__file__).resolve().parents[2] / "web" / "schema"
 #: An up vector at right angles to the line of sight, as the page's cameras have it after the first turn.

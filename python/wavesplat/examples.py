@@ -10,10 +10,10 @@ from importlib.resources import as_file, files
 
 import numpy as np
 
-from wavesplat._files.memory import check_room
-from wavesplat._model.argument_types import takes_its_types
-from wavesplat._model.volume import Volume
+from wavesplat._model.arguments.types import takes_its_types
+from wavesplat._model.volume.volume import Volume
 from wavesplat._readers.opening import open as open_volume
+from wavesplat._system.memory import check_room
 from wavesplat.errors import ArgumentError
 
 __all__ = ["ct_pelvis", "mri_head", "ripples"]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from wavesplat import _native
-from wavesplat._files.byte_sizes import bytes_of
+from wavesplat._system.memory import bytes_of
 
 __all__ = ["Adapter", "SelfTest", "adapters", "memory", "self_test"]
 

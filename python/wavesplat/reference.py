@@ -6,22 +6,22 @@ from collections.abc import Iterable
 from typing import Any
 
 from wavesplat import _native
-from wavesplat._looks.labels import Labels
-from wavesplat._looks.materials import Materials
+from wavesplat._looks.curves.materials import Materials
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.labels.labels import Labels
 from wavesplat._looks.shading import Shading
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import takes_its_types
-from wavesplat._model.camera import Camera
-from wavesplat._model.clips import Clip, Clipping, combined_clips
-from wavesplat._model.options import Kernel
-from wavesplat._model.volume import Volume
-from wavesplat._model.volume_like import VolumeLike, as_volume
+from wavesplat._model.arguments.clips import Clip, Clipping, combined_clips
+from wavesplat._model.arguments.sampling import Kernel
+from wavesplat._model.arguments.types import takes_its_types
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.volume_like import VolumeLike, as_volume
 from wavesplat._picture.picture import Picture
 from wavesplat._render import arguments
-from wavesplat._scene.drawn_layers import drawn_layers, slice_source
+from wavesplat._scene.drawing.drawn_layers import drawn_layers, slice_source
+from wavesplat._scene.drawing.scene_shapes import also_in_view, shapes_of
 from wavesplat._scene.scene import Scene
-from wavesplat._scene.scene_shapes import also_in_view, shapes_of
 from wavesplat.errors import ArgumentError
 
 __all__ = ["raycast", "splat_literal"]

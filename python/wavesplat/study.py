@@ -8,26 +8,25 @@ from operator import index
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from wavesplat import _native
-from wavesplat._looks import colors
-from wavesplat._looks.labels import Labels
-from wavesplat._looks.materials import Materials
+from wavesplat._looks.curves import colors
+from wavesplat._looks.curves.materials import Materials
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.labels.labels import Labels
 from wavesplat._looks.shading import Shading
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import takes_its_types
-from wavesplat._model.camera import Camera
-from wavesplat._model.clips import Clip, combined_clips
-from wavesplat._model.cutting import without
-from wavesplat._model.option_lists import takes_options
-from wavesplat._model.options import Buffer, Kernel
-from wavesplat._model.volume import Volume
-from wavesplat._model.volume_like import VolumeLike, as_volume
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._model.arguments.clips import Clip, combined_clips
+from wavesplat._model.arguments.sampling import Buffer, Kernel
+from wavesplat._model.arguments.types import takes_its_types, takes_options
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.volume.cutting import without
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.volume_like import VolumeLike, as_volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
 from wavesplat._render import arguments
 from wavesplat._render.options import DrawOptions, RenderOptions
-from wavesplat._scene.drawing import draw
+from wavesplat._scene.drawing.drawing import draw
 from wavesplat._scene.layer import AnyLook
 from wavesplat._scene.scene import as_scene
 from wavesplat.errors import ArgumentError

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import wavesplat as ws
-from wavesplat._looks.histogram import finite_samples
-from wavesplat._looks.hounsfield import AIR, BONE, FAR, SOFT_TISSUE, looks_like_hounsfield
+from wavesplat._looks.kinds.histogram import finite_samples
+from wavesplat._looks.kinds.hounsfield import AIR, BONE, FAR, SOFT_TISSUE, looks_like_hounsfield
 
 
 def main(paths: list[str]) -> None:

@@ -1,7 +1,7 @@
 //! One scene by every interface: this crate, Python and the command line give the bytes of
 //! `crates/wavesplat/tests/door.png`.
 //!
-//! `python/tests/test_rust_door.py` draws it in Python, from the same numbers.
+//! `python/tests/house/test_rust_door.py` draws it in Python, from the same numbers.
 
 use glam::{DAffine3, DVec3};
 use wavesplat::{

@@ -94,10 +94,10 @@ class _Commands(TyperGroup):
 @cache
 def command_of(name: str) -> Any:
     """A command with its options."""
-    from wavesplat._cli.option_groups import expanded
+    from wavesplat._cli.options.groups import expanded
 
     function = name.replace("-", "_")
-    command = expanded(getattr(import_module(f"wavesplat._cli.{function}"), function))
+    command = expanded(getattr(import_module(f"wavesplat._cli.commands.{function}"), function))
     alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
     alone.command(name, cls=_Command, epilog=EPILOG)(command)
     return typer.main.get_command(alone)

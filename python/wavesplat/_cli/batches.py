@@ -9,16 +9,16 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wavesplat._cli.option_groups import option
+from wavesplat._cli.options.groups import option
 from wavesplat._cli.printing import check_outputs, message, print_result
-from wavesplat._files.addresses import is_address, safe_address
+from wavesplat._storage.addresses import is_address, safe_address
 from wavesplat.errors import ArgumentError, WavesplatError
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from wavesplat._cli.scene_options import ChosenScene
+    from wavesplat._cli.options.scene import ChosenScene
     from wavesplat._looks.look import Look
     from wavesplat._picture.picture import Picture
     from wavesplat._scene.layer import Layer
@@ -158,7 +158,7 @@ class Batch:
         Scans of patients have the names of their first layers, and numbers, since their files may have the patients'.
         """
         from wavesplat._looks.layer_names import is_of_patient
-        from wavesplat._readers.ome_zarr_layout import well_of
+        from wavesplat._readers.zarr.layout import well_of
 
         if self.captions:
             return self.captions[input], None

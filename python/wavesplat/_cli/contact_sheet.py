@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.natural_order import natural_key
 from wavesplat._looks.look import Look
 from wavesplat._picture.annotating import caption_strip
 from wavesplat._picture.picture import Picture
-from wavesplat._scene.rendering import render
+from wavesplat._scene.drawing.rendering import render
+from wavesplat._storage.paths import natural_key
 
 if TYPE_CHECKING:
-    from wavesplat._model.volume import Volume
-    from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._model.volume.volume import Volume
+    from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
 #: Grey of the sheet around and between pictures, and width of these gaps, pixels.
 GREY, GAP_PX = 0.25, 2

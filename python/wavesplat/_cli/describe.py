@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wavesplat._looks.kinds import offset_of, unit_of_values
-from wavesplat._model.lazy_changes import comparing_once
-from wavesplat._model.lazy_parts import MAX_OVERVIEW
-from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
+from wavesplat._looks.kinds.kinds import offset_of, unit_of_values
+from wavesplat._model.lazy.checks import comparing_once
+from wavesplat._model.lazy.parts import MAX_OVERVIEW
+from wavesplat._model.lazy.survey import HISTOGRAM_SAMPLES, step_for
+from wavesplat._model.lazy.volume import LazyVolume
 from wavesplat._readers.single_planes import shape_in_file
 
 if TYPE_CHECKING:
-    from wavesplat._model.grid import Grid
-    from wavesplat._model.volume import Volume
-    from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._model.volume.grid import Grid
+    from wavesplat._model.volume.volume import Volume
+    from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
 PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
 #: Largest number of samples that percentiles are taken from; for lazy volumes, those that their surveys keep.

@@ -9,22 +9,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wavesplat._files.addresses import is_address
-from wavesplat._files.paths import expanded
-from wavesplat._looks.default_colors import label_color
-from wavesplat._looks.kinds import kind_of
-from wavesplat._model import units
-from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._readers import ome_zarr
-from wavesplat._readers.dicom_structures import Structure, is_structure_set, structures_in
+from wavesplat._looks.curves.colors import label_color
+from wavesplat._looks.kinds.kinds import kind_of
+from wavesplat._model.lazy.volume import LazyVolume
+from wavesplat._model.volume import units
+from wavesplat._readers.dicom.structures import Structure, is_structure_set, structures_in
 from wavesplat._readers.opening import contents, is_zarr
 from wavesplat._readers.request import requested
+from wavesplat._readers.zarr import ome_zarr
+from wavesplat._storage.addresses import is_address
+from wavesplat._storage.paths import expanded
 from wavesplat.errors import WavesplatError
 
 if TYPE_CHECKING:
-    from wavesplat._cli.reader_options import ReaderOptions
-    from wavesplat._looks.label_names import Named
-    from wavesplat._model.volume import Volume
+    from wavesplat._cli.options.reader import ReaderOptions
+    from wavesplat._looks.labels.label_names import Named
+    from wavesplat._model.volume.volume import Volume
 
 #: Arrays or images that the text lists, labels that it lists, and width of the name of an array in letters.
 N_LISTED, N_LABELS, NAME_WIDTH = 40, 150, 24

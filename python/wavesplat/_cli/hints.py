@@ -1,7 +1,4 @@
-"""Hints for unknown commands and options: what does what the name asks for.
-
-Similar spelling is the last resort: `--window` does not mean `--shadow`, nor `--clim` `--time`.
-"""
+"""Hints for unknown commands and options: what does what the name asks for."""
 
 from __future__ import annotations
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from wavesplat.errors import ArgumentError, FileError, WavesplatWarning
 
 if TYPE_CHECKING:
-    from wavesplat._files.output import Kind
     from wavesplat._picture.picture import Picture
+    from wavesplat._storage.output import Kind
 
 #: Facts of results that are printed together, at the end.
 _COLLECTED: list[list[dict[str, Any]]] = []
@@ -127,8 +127,8 @@ def check_outputs(
     input: str, output: Path, kind: Kind, report: Path | None = None, *, option: str = "--output"
 ) -> None:
     """Raise if a result cannot be written, or would replace the input or another result. `option`: of the output."""
-    from wavesplat._files.output import check_output, check_writable
-    from wavesplat._files.paths import expanded, real_path
+    from wavesplat._storage.output import check_output, check_writable
+    from wavesplat._storage.paths import expanded, real_path
 
     check_output(output, kind)
     places = {"INPUT": expanded(input), option: output}
@@ -144,7 +144,7 @@ def check_outputs(
 
 def with_paths(facts: dict[str, Any]) -> dict[str, Any]:
     """The facts about a result with the whole paths of its volumes."""
-    from wavesplat._model.private_names import whole
+    from wavesplat._model.volume.private_names import whole
 
     found: dict[str, Any] = whole(facts)
     return found
@@ -152,8 +152,8 @@ def with_paths(facts: dict[str, Any]) -> dict[str, Any]:
 
 def write_report(path: Path, facts: dict[str, Any], *, embed_paths: bool) -> None:
     """Write the facts about a result to a JSON file, with paths or with names of files alone."""
-    from wavesplat._files.output import write_atomically
-    from wavesplat._model.private_names import without_folders
+    from wavesplat._model.volume.private_names import without_folders
+    from wavesplat._storage.output import write_atomically
 
     if embed_paths:
         facts = with_paths(facts)

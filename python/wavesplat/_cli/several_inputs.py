@@ -21,10 +21,10 @@ from typing import Annotated, Any
 import typer
 
 from wavesplat._cli.batches import Batch, BatchOptions, batch_of, is_folder, stem_of
-from wavesplat._cli.option_groups import expanded, parameters_of, with_signature
+from wavesplat._cli.options.groups import expanded, parameters_of, with_signature
 from wavesplat._cli.printing import collected, message, print_lines
-from wavesplat._files.addresses import is_address, safe_address
-from wavesplat._files.patterns import matching_files
+from wavesplat._storage.addresses import is_address, safe_address
+from wavesplat._storage.paths import matching_files
 from wavesplat.errors import ArgumentError, WavesplatError
 
 _INPUTS = typer.Argument(
@@ -170,7 +170,7 @@ def _paths(inputs: list[str]) -> list[str]:
 
 def _places_in_plate(input: str) -> dict[str, str]:
     """Values of {well} and {field}."""
-    from wavesplat._readers.ome_zarr_layout import well_of
+    from wavesplat._readers.zarr.layout import well_of
 
     found = None if is_address(input) else well_of(Path(input))
     if found is None:
@@ -183,7 +183,7 @@ def _places_in_plate(input: str) -> dict[str, str]:
 
 def _words_that_differ(one: str, other: str) -> list[str]:
     """Words in braces by which two inputs have different names."""
-    from wavesplat._readers.ome_zarr_layout import well_of
+    from wavesplat._readers.zarr.layout import well_of
 
     first, second = (None if is_address(input) else well_of(Path(input)) for input in (one, other))
     if first is not None and second is not None:

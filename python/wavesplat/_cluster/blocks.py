@@ -36,11 +36,11 @@ from wavesplat._cluster.waiting import (
     result_of,
     wait_for_scheduler,
 )
-from wavesplat._files.libraries import library
-from wavesplat._model.lazy_array import ComputedArray
-from wavesplat._model.read_ahead import ReadCounts
+from wavesplat._model.lazy.array import ComputedArray
+from wavesplat._model.lazy.read_ahead import ReadCounts
 from wavesplat._render.lazy_layers import FrameSpec
 from wavesplat._render.streaming import Progress, Reading, draw_segment
+from wavesplat._system.libraries import library
 from wavesplat.errors import ArgumentError, CancelledError
 
 #: Streams that a process keeps; the tasks of one picture share one.

@@ -12,9 +12,9 @@ from typing import Any
 
 from wavesplat import _native
 from wavesplat._cluster.waiting import CLOSED, facts_of_workers, lost_scheduler_named
-from wavesplat._files.libraries import library
-from wavesplat._model.argument_types import described
-from wavesplat._model.lazy_volume import default_memory
+from wavesplat._model.lazy.volume import default_memory
+from wavesplat._system.libraries import library
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError, LibraryError
 
 #: Most tasks of a picture: schedulers get slow beyond tens of thousands, and a task takes them about a millisecond.

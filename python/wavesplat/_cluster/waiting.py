@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
-from wavesplat._files.libraries import library
+from wavesplat._system.libraries import library
 from wavesplat.errors import ClusterError, LibraryError, WavesplatError
 
 #: Retries of a task: a read may fail for once.

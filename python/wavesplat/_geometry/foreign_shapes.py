@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._model import units
-from wavesplat._model.argument_types import described
+from wavesplat._model.volume import units
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 #: Layers of napari -> the kind of shape that they become.

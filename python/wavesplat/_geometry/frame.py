@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from wavesplat._geometry.paint import checked_color, paint_of
 from wavesplat._geometry.positions import checked_size, numbers_of
 from wavesplat._geometry.shape import Shape
-from wavesplat._model.argument_types import described
 from wavesplat._public import public
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat import _native
-    from wavesplat._model.camera import Camera
+    from wavesplat._model.camera.camera import Camera
 
 #: Lower and upper corner of a box along the world's axes.
 Box: TypeAlias = NDArray[np.float64]

@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._geometry import foreign_shapes
-from wavesplat._geometry.chains import Chains, chains_of
 from wavesplat._geometry.paint import Color, checked_paint, paint_of
-from wavesplat._geometry.positions import checked_size
+from wavesplat._geometry.positions import Chains, chains_of, checked_size
 from wavesplat._geometry.shape import Shape
-from wavesplat._model.argument_types import described
 from wavesplat._public import public
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:

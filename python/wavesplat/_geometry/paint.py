@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._geometry.positions import checked_values, frozen, numbers_of, row_of
-from wavesplat._looks import colormaps, colors
-from wavesplat._model.argument_types import described
+from wavesplat._looks.curves import colormaps, colors
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -13,8 +13,9 @@ from wavesplat._geometry import foreign_shapes
 from wavesplat._geometry.paint import Color, checked_paint, paint_of
 from wavesplat._geometry.positions import checked_positions, checked_size
 from wavesplat._geometry.shape import Shape
-from wavesplat._model.argument_types import check_text, described
+from wavesplat._model.arguments.types import check_text
 from wavesplat._public import public
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -7,14 +7,12 @@ from copy import copy
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wavesplat._files.values import share
-from wavesplat._model.argument_types import check_text, described
+from wavesplat._model.arguments.types import check_text
+from wavesplat._system.values import described, share
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from typing import Self
-
-__all__ = ["Shape", "is_one"]
 
 
 class Shape:

@@ -18,10 +18,10 @@ from wavesplat._geometry.points import Points
 from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.slice_plane import SlicePlane
 from wavesplat._geometry.surface import Surface
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._model.argument_types import described
-from wavesplat._model.grid import Grid
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._model.volume.grid import Grid
 from wavesplat._picture.report_facts import shown_layer
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 #: Factor of colours and opacity that leaves the opacity alone.

@@ -5,18 +5,14 @@ from __future__ import annotations
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, ClassVar
 
-from wavesplat._files.values import whole
 from wavesplat._geometry.shape import Shape
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._model.argument_types import described
-from wavesplat._model.series import Series
-from wavesplat._model.vectors import point_and_normal
-from wavesplat._model.views import named_plane
-from wavesplat._model.volume_like import as_volume
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._model.camera.views import named_plane, point_and_normal
+from wavesplat._model.volume.series import Series
+from wavesplat._model.volume.volume_like import as_volume
 from wavesplat._public import public
+from wavesplat._system.values import described, whole
 from wavesplat.errors import ArgumentError
-
-__all__ = ["CUTS", "SlicePlane"]
 
 #: Name of the plane that stands for all faces that the clips of a scene cut.
 CUTS = "cuts"

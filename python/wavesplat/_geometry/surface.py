@@ -1,24 +1,52 @@
-"""Surfaces of triangles."""
+"""Surfaces of triangles, with their areas and normals."""
 
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
 from wavesplat._geometry import foreign_shapes
 from wavesplat._geometry.paint import Color, checked_paint, paint_of
 from wavesplat._geometry.positions import check_count, checked_positions, frozen, numbers_of
 from wavesplat._geometry.shape import Shape
-from wavesplat._geometry.triangles import smooth_normals
-from wavesplat._model.argument_types import described
 from wavesplat._public import public
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
-if TYPE_CHECKING:
-    from wavesplat import _native
+# Areas and normals of triangles that share vertices.
+
+Floats: TypeAlias = NDArray[np.float64]
+
+
+def face_vectors(vertices: Floats, faces: NDArray[Any]) -> Floats:
+    """Outward vectors of twice the faces' areas."""
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    vectors: Floats = np.cross(b - a, c - a)
+    return vectors
+
+
+def normals_of_faces(vertices: Floats, faces: NDArray[Any]) -> Floats:
+    """Sum of the vectors of the faces around each vertex: their mean by area."""
+    return _native.normals_of_faces(np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.uint32))
+
+
+def smooth_normals(vertices: Floats, faces: NDArray[Any]) -> NDArray[np.float32]:
+    """Unit normals of the vertices, the mean of the faces around each by area; (0, 0, 1) where these have none."""
+    # Relative to their size, so that areas of tiny or huge triangles neither vanish nor overflow.
+    largest = float(np.ptp(vertices, axis=0).max()) or 1.0
+    normals = normals_of_faces((vertices - vertices.mean(axis=0)) / largest, faces)
+    lengths = np.linalg.norm(normals, axis=1)
+    normals[lengths == 0] = 0, 0, 1
+    lengths[lengths == 0] = 1
+    unit: NDArray[np.float32] = (normals / lengths[:, None]).astype(np.float32)
+    return unit
+
+
+# Surfaces of triangles.
 
 #: Colour of surfaces without one: that of ivory, on which shadows show.
 IVORY = (0.93, 0.88, 0.78)

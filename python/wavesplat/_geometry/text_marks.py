@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 from wavesplat._geometry.frame import Frame, ticks_of
 from wavesplat._geometry.points import SIZE_PX, Points
 from wavesplat._geometry.shape import Shape
-from wavesplat._model import units
-from wavesplat._model.camera import Camera
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.volume import units
 from wavesplat._picture.lettering import CAP_HEIGHT, text_width
-from wavesplat._picture.marks import Mark, Text, stroke
-from wavesplat._picture.style import Style
+from wavesplat._picture.marks import Mark, Style, Text, stroke
 
 Array: TypeAlias = NDArray[np.float64]
 

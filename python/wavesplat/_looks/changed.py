@@ -19,19 +19,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.values import positive
-from wavesplat._looks import colormaps, histogram
-from wavesplat._looks.channels import is_ramp
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.window_ends import End, values_of
+from wavesplat._looks.curves import colormaps
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.curves.value_scale import End, values_of
+from wavesplat._looks.kinds import histogram
+from wavesplat._looks.kinds.channels import is_ramp
+from wavesplat._system.values import positive
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.look import Look
-    from wavesplat._model.volume import Volume
-    from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._model.volume.volume import Volume
+    from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
-__all__ = ["bent", "changed", "exposed"]
 
 #: Parts of a segment between two nodes where curves become bent.
 N_PARTS = 8

@@ -11,14 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
-from wavesplat._files.file_names import FileName
-from wavesplat._looks.kinds import kind_of, unit_of_values
-from wavesplat._model import scan_names
-from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._model.scan_names import name_of_facts
-from wavesplat._model.series import Series
-from wavesplat._model.volume import Volume
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._looks.kinds.kinds import kind_of, unit_of_values
+from wavesplat._model.lazy.volume import LazyVolume
+from wavesplat._model.volume import grid
+from wavesplat._model.volume.grid import name_of_facts
+from wavesplat._model.volume.series import Series
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
+from wavesplat._storage.paths import FileName
 
 AnyVolume: TypeAlias = Volume | WaveletVolume
 #: Name of a scan whose kind is not known before its samples are read.
@@ -31,7 +31,7 @@ class FoundName(str):
 
 def is_of_patient(volume: AnyVolume) -> bool:
     """Whether the name of a volume was taken from a file or folder, and may be a patient's."""
-    if scan_names.is_of_patient(volume):
+    if grid.is_of_patient(volume):
         return True
     return isinstance(volume.name, FileName) and not isinstance(volume, LazyVolume) and unit_of_values(volume) == "HU"
 

@@ -10,19 +10,20 @@ from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING, Literal
 
-from wavesplat._looks import colors
+from wavesplat._looks.curves import colors
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
 from wavesplat._looks.shading import Shading
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import check_text, described, takes_its_types
-from wavesplat._model.options import Composite
-from wavesplat._model.volume_like import VolumeLike, as_volume, volume_or_none
+from wavesplat._model.arguments.sampling import Composite
+from wavesplat._model.arguments.types import check_text, takes_its_types
+from wavesplat._model.volume.volume_like import VolumeLike, as_volume, volume_or_none
 from wavesplat._public import public
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._looks.colormaps import Opacity
-    from wavesplat._looks.labels import Labels
+    from wavesplat._looks.curves.colormaps import Opacity
+    from wavesplat._looks.labels.labels import Labels
 
 
 @public
@@ -108,7 +109,7 @@ class Look:
             If all samples are equal: there is nothing to tell apart. If there is no map of that name, or the look is
             not one of a field, such as that of a CT or of a projection.
         """
-        from wavesplat._looks import automatic
+        from wavesplat._looks.kinds import automatic
 
         shown = as_volume(volume)
         look = automatic.automatic(shown, composite)
@@ -188,7 +189,7 @@ class Look:
         >>> ws.Look.channel(volume, "magenta", (0.2, 0.9)).reason
         'a channel in its colour, from 0.2 to 0.9'
         """
-        from wavesplat._looks import channels
+        from wavesplat._looks.kinds import channels
 
         return channels.channel_look(as_volume(volume), color, window, composite)
 
@@ -264,13 +265,13 @@ class Look:
         >>> ws.Look.from_json(look.to_json()) == look
         True
         """
-        from wavesplat._looks import look_json
+        from wavesplat._looks import look_files as look_json
 
         return look_json.parse(text, volume_or_none(volume))
 
     def to_json(self) -> str:
         """The look as a JSON text, which `from_json` reads back exactly."""
-        from wavesplat._looks import look_json
+        from wavesplat._looks import look_files as look_json
 
         return look_json.write(self)
 
@@ -320,6 +321,6 @@ class Look:
         FileError
             If the file cannot be written; nothing is left behind.
         """
-        from wavesplat._files import json_object
+        from wavesplat._storage import json_texts
 
-        json_object.save(path, self.to_json())
+        json_texts.save(path, self.to_json())

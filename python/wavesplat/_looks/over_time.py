@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from wavesplat._looks.histogram import finite_samples
-from wavesplat._model.series import Series
-from wavesplat._model.volume import Volume
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._looks.kinds.histogram import finite_samples
+from wavesplat._model.volume.series import Series
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
 #: Percentile of a volume's samples that measures how bright it is.
 PERCENT = 99.5

@@ -8,9 +8,9 @@ from functools import partial
 from typing import Any, Literal
 
 from wavesplat import _native
-from wavesplat._model.argument_types import takes_its_types
-from wavesplat._model.short_repr import short_repr
-from wavesplat._model.vectors import Vector, vector
+from wavesplat._model.arguments.types import takes_its_types
+from wavesplat._model.camera.views import Vector, vector
+from wavesplat._model.volume.facts import short_repr
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 

@@ -24,9 +24,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.libraries import library
-from wavesplat._model.crop import Crop
-from wavesplat._model.volume import Volume
+from wavesplat._model.arguments.clips import Crop
+from wavesplat._model.volume.volume import Volume
+from wavesplat._system.libraries import library
 from wavesplat.errors import ArgumentError
 
 Floats = NDArray[np.float64]

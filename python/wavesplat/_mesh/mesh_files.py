@@ -1,4 +1,4 @@
-"""Files of meshes: PLY, STL, OBJ and glTF by trimesh; 3MF here, since trimesh writes it by lxml and without colours.
+"""Files of meshes: PLY, STL, OBJ and glTF by trimesh, 3MF here; and names of labels as names of files.
 
 3MF is a zip archive with a model in XML: meshes, each with a name and a material, whose colour is sRGB.
 Source: 3MF Core Specification 1.3, https://github.com/3MFConsortium/spec_core.
@@ -7,6 +7,7 @@ Source: 3MF Core Specification 1.3, https://github.com/3MFConsortium/spec_core.
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from collections.abc import Sequence
 from typing import Any
@@ -14,7 +15,30 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from wavesplat._files.libraries import library
+from wavesplat._system.libraries import library
+
+# Names of labels as names of files, for all file systems, each different from the others.
+
+#: Characters that Windows, macOS or Linux refuse in a name, or shells read: all but letters, digits and a few signs.
+UNSAFE = re.compile(r"[^\w.+()-]+")
+#: Names of devices on Windows, with any suffix.
+DEVICES = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?$", re.IGNORECASE)
+#: Largest number of characters, of four bytes each at most: names of files have 255 bytes.
+MAX_LETTERS = 50
+
+
+def safe_names(names: Sequence[str], numbers: Sequence[int]) -> list[str]:
+    """The names, with `_` for what is not safe; those that differ in case alone end in the label's number."""
+    found = [UNSAFE.sub("_", name)[:MAX_LETTERS].strip("._ ") for name in names]
+    found = [f"_{name}" if DEVICES.match(name) else name for name in found]
+    alike = [name.casefold() for name in found]
+    return [
+        f"{name or 'label'}_{number}" if not name or alike.count(name.casefold()) > 1 else name
+        for name, number in zip(found, numbers, strict=True)
+    ]
+
+
+# Files of meshes: PLY, STL, OBJ and glTF by trimesh; 3MF here, since trimesh writes it by lxml and without colours.
 
 #: Suffixes of formats that hold several meshes with names and colours.
 OF_PARTS = (".3mf", ".glb", ".gltf")

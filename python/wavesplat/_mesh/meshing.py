@@ -10,21 +10,19 @@ from typing import overload
 
 import numpy as np
 
-from wavesplat._files.values import number, share, whole
-from wavesplat._geometry.triangles import normals_of_faces
-from wavesplat._looks.labels import Labels
+from wavesplat._geometry.surface import normals_of_faces
+from wavesplat._looks.labels.labels import Labels
 from wavesplat._mesh.isosurface import Isosurface, isosurface
 from wavesplat._mesh.label_surfaces import boxes_of, chosen_numbers, surface_of
 from wavesplat._mesh.triangle_mesh import Mesh, Meshes
-from wavesplat._model.argument_types import takes_its_types
-from wavesplat._model.crop import Crop
-from wavesplat._model.volume import Volume
-from wavesplat._model.volume_like import VolumeLike, as_volume
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._model.arguments.clips import Crop
+from wavesplat._model.arguments.types import takes_its_types
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.volume_like import VolumeLike, as_volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._public import public
+from wavesplat._system.values import number, share, whole
 from wavesplat.errors import ArgumentError
-
-__all__ = ["mesh"]
 
 
 @overload

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.libraries import library
-from wavesplat._files.output import check_output, write_atomically
-from wavesplat._geometry.triangles import face_vectors
+from wavesplat._geometry.surface import face_vectors
 from wavesplat._mesh import mesh_files
-from wavesplat._mesh.safe_names import safe_names
-from wavesplat._model.argument_types import described
+from wavesplat._mesh.mesh_files import safe_names
 from wavesplat._public import public
+from wavesplat._storage.output import check_output, write_atomically
+from wavesplat._system.libraries import library
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:

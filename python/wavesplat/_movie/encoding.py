@@ -15,8 +15,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.libraries import how_to_install, library
 from wavesplat._picture.picture_files import straight_bytes
+from wavesplat._system.libraries import how_to_install, library
 from wavesplat.errors import ArgumentError, LibraryError
 
 #: Frames in order, each as `Picture.rgba`.

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from wavesplat._looks.curves.transfer_function import TransferFunction
 from wavesplat._looks.look import Look
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._model.camera import Camera
-from wavesplat._model.series import Series
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.volume.series import Series
 from wavesplat._movie.key_frame import KeyFrame
 from wavesplat._movie.timeline import Shot
 from wavesplat._picture.picture import Picture
 from wavesplat._readers.single_planes import is_single_plane
 from wavesplat._scene.scene import Scene
-from wavesplat._scene.slicing import slice
+from wavesplat._scene.slices.slicing import slice
 from wavesplat.errors import ArgumentError
 
 #: Least and largest rate of a film that is taken from its times, frames a second.

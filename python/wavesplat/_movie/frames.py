@@ -20,18 +20,18 @@ from wavesplat._cluster.waiting import (
     result_of,
     wait_for_scheduler,
 )
-from wavesplat._files.libraries import library
-from wavesplat._model.argument_types import described
-from wavesplat._model.camera import Camera
-from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._model.option_lists import takes_options
-from wavesplat._model.stereo import checked_eyes
+from wavesplat._model.arguments.types import takes_options
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.camera.stereo import checked_eyes
+from wavesplat._model.lazy.volume import LazyVolume
 from wavesplat._movie.seen import camera_of, with_settled_looks
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._render.arguments import checked_size
 from wavesplat._render.options import DrawOptions, FrameOptions
 from wavesplat._scene.scene import Scene, as_scene
+from wavesplat._system.libraries import library
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError, CancelledError
 
 if TYPE_CHECKING:

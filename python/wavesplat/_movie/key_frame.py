@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY, dataclass
 
-from wavesplat._files.values import number, whole
-from wavesplat._model.argument_types import described
-from wavesplat._model.camera import Camera
-from wavesplat._model.clips import Clip, clip_tuple
+from wavesplat._model.arguments.clips import Clip, clip_tuple
+from wavesplat._model.camera.camera import Camera
 from wavesplat._public import public
 from wavesplat._scene.layer import AnyLook
+from wavesplat._system.values import described, number, whole
 from wavesplat.errors import ArgumentError
-
-__all__ = ["KeyFrame"]
 
 
 @public

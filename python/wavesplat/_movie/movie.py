@@ -5,37 +5,121 @@ The compiled renderer and the encoders work without Python's interpreter lock, s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar
 
-from wavesplat._files.output import check_output, removed_when_terminated, write_atomically
+import numpy as np
+from numpy.typing import NDArray
+
 from wavesplat._looks.look import Look
-from wavesplat._model.argument_types import described, takes_its_types
-from wavesplat._model.camera import Camera
-from wavesplat._model.option_lists import takes_options
-from wavesplat._model.sampling import Sampling
+from wavesplat._model.arguments.sampling import Sampling
+from wavesplat._model.arguments.types import takes_its_types, takes_options
+from wavesplat._model.camera.camera import Camera
 from wavesplat._movie import encoding, png_sequence
 from wavesplat._movie.films import film_frame, film_of, rate_of, shots_of
-from wavesplat._movie.frame_figure import FrameFigure
 from wavesplat._movie.frames import check_client, drawn_by_client
 from wavesplat._movie.key_frame import KeyFrame
-from wavesplat._movie.options import MovieOptions, MovieValues, parted
 from wavesplat._movie.pipeline import MAX_AT_ONCE, Progress, made_ahead, work_beside
 from wavesplat._movie.seen import camera_of, with_settled_looks
 from wavesplat._movie.timeline import Shot, Timeline
 from wavesplat._movie.turn import Turn, cameras_of, key_frames
+from wavesplat._picture.annotating import Corner, Figure, Orientation, Side
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._render.arguments import checked_size
-from wavesplat._render.options import DrawOptions
+from wavesplat._render.options import DrawOptions, FrameOptions
+from wavesplat._scene.drawing.summary import stamped
 from wavesplat._scene.layer import AnyLook
 from wavesplat._scene.scene import Scene, as_scene
+from wavesplat._storage.output import check_output, removed_when_terminated, write_atomically
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from typing import Unpack
+
+# Options of movies: those of their frames, and the marks that are drawn on every frame.
+
+
+class FigureOptions(TypedDict, total=False):
+    """Marks of a figure; `Picture.annotated` documents them."""
+
+    scale_bar: bool | float | str
+    orientation: Orientation | None
+    colorbar: bool | str | Sequence[str]
+    legend: bool | Iterable[str]
+    title: str | None
+    unit: str | None
+    values: str | None
+    font_size: float | None
+    color: str | Sequence[float] | None
+    font: str | PathLike[str] | None
+    scale_bar_at: Corner
+    orientation_at: Corner
+    colorbar_at: Side
+    legend_at: Side
+
+
+class MovieOptions(FrameOptions, FigureOptions, total=False):
+    """Options of `movie`: those of pictures, and the marks of figures."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MovieValues(DrawOptions, Figure):
+    """The defaults of `MovieOptions`."""
+
+
+def parted(options: MovieOptions) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Options of drawing, and arguments of `Picture.annotated`."""
+    drawing: dict[str, Any] = dict(options)
+    return drawing, {name: drawing.pop(name) for name in FigureOptions.__annotations__ if name in drawing}
+
+
+# Marks of a figure on the frames of a movie: the same on every frame, at the same place.
+
+
+class FrameFigure:
+    """Marks for frames; `arguments` are those of `Picture.annotated`.
+
+    is_still : whether the looks of all frames are the same.
+    """
+
+    def __init__(self, arguments: Mapping[str, Any], *, is_still: bool) -> None:
+        self._arguments = dict(arguments)
+        legend: object = arguments.get("legend", False)
+        if isinstance(legend, Iterable) and not isinstance(legend, str):
+            self._arguments["legend"] = list(legend)  # for more than one frame
+        if self._arguments.get("colorbar", False) is not False and not is_still:
+            raise ArgumentError(
+                "a colour bar shows one look, and key frames change it; leave out the colour bar, or the looks of the "
+                "key frames"
+            )
+        self._size: tuple[int, int] | None = None
+
+    def title_of(self, scene: Scene) -> str | None:
+        """The title above a frame, with the scene's time, as wide as at every other time."""
+        title: object = self._arguments.get("title")
+        return stamped(title, scene) if isinstance(title, str) else None
+
+    def drawn(self, picture: Picture, scene: Scene) -> NDArray[np.float32]:
+        """The frame with its marks; as large as the others."""
+        if self._arguments:
+            title = self.title_of(scene)
+            picture = picture.annotated(**self._arguments | ({} if title is None else {"title": title}))
+        self._size = self._size or picture.size
+        if picture.size != self._size:
+            (width, height), (first_width, first_height) = picture.size, self._size
+            raise ArgumentError(
+                f"with its marks a frame has {width} x {height} pixels, and another one {first_width} x "
+                f"{first_height}; leave out the legend or the title, or give a smaller font_size"
+            )
+        return picture.rgba
+
+
+# The movie: some frames are drawn at once, while those before are encoded in a thread beside.
 
 T = TypeVar("T")
 

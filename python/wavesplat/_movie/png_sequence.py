@@ -20,17 +20,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._files.output import as_file_errors, check_writable
-from wavesplat._files.part_files import part_beside, remove_left_over
-from wavesplat._looks import look_json
+from wavesplat._looks import look_files
 from wavesplat._looks.look import Look
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture_files import png_bytes
+from wavesplat._storage.output import as_file_errors, check_writable, part_beside, remove_left_over
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
-    from wavesplat._looks.labels import Labels
-    from wavesplat._model.volume import Volume
+    from wavesplat._looks.labels.labels import Labels
+    from wavesplat._model.volume.volume import Volume
     from wavesplat._movie.timeline import Shot
     from wavesplat._scene.layer import Layer
 
@@ -141,7 +140,7 @@ class Marks:
     def _fields_of_look(self, look: Any) -> Any:
         if not isinstance(look, Look):
             return repr(look)
-        return [look_json.write(replace(look, labels=None)), self._hash_of_labels(look.labels)]
+        return [look_files.write(replace(look, labels=None)), self._hash_of_labels(look.labels)]
 
     def _hash_of_labels(self, labels: Labels | None) -> str | None:
         if labels is None:

@@ -11,23 +11,22 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.look import Look
 from wavesplat._looks.over_time import brightest_number
-from wavesplat._model.composites import Operator, checked_operator, name_of
-from wavesplat._model.options import BY_VIEW, Composite
-from wavesplat._model.sampling import Sampling
-from wavesplat._model.series import Series
-from wavesplat._model.stereo import PLAIN, Eyes
-from wavesplat._model.views import view_angles
+from wavesplat._model.arguments.operators import Operator, checked_operator, name_of
+from wavesplat._model.arguments.sampling import BY_VIEW, Composite, Sampling
+from wavesplat._model.camera.stereo import PLAIN, Eyes
+from wavesplat._model.camera.views import view_angles
+from wavesplat._model.volume.series import Series
 from wavesplat._render import framing, projection
 from wavesplat._render.arguments import chosen_camera
-from wavesplat._scene.drawing import geometry_in_view
-from wavesplat._scene.drawn_layers import DrawnLayer, DrawnLayers, drawn_layers
+from wavesplat._scene.drawing.drawing import geometry_in_view
+from wavesplat._scene.drawing.drawn_layers import DrawnLayer, DrawnLayers, drawn_layers
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._looks.transfer_function import TransferFunction
-    from wavesplat._model.camera import Camera
-    from wavesplat._model.clips import Clipping
-    from wavesplat._model.grid import Grid
+    from wavesplat._looks.curves.transfer_function import TransferFunction
+    from wavesplat._model.arguments.clips import Clipping
+    from wavesplat._model.camera.camera import Camera
+    from wavesplat._model.volume.grid import Grid
     from wavesplat._picture.picture import Picture
     from wavesplat._scene.scene import Scene
 

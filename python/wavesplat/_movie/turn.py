@@ -10,24 +10,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wavesplat._files.values import number, whole
-from wavesplat._model import camera_fit
-from wavesplat._model.argument_types import described
-from wavesplat._model.camera import Camera
-from wavesplat._model.camera_path import MAX_FRAMES
-from wavesplat._model.stereo import PLAIN, VIEW_ANGLE, Eyes, within
-from wavesplat._model.vectors import Vector, vector
+from wavesplat._model.camera import fit
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.camera.path import MAX_FRAMES
+from wavesplat._model.camera.stereo import PLAIN, VIEW_ANGLE, Eyes, within
+from wavesplat._model.camera.views import Vector, vector
 from wavesplat._movie.key_frame import KeyFrame
 from wavesplat._movie.seen import direction_of, what_is_seen
 from wavesplat._public import public
 from wavesplat._render import framing
+from wavesplat._system.values import described, number, whole
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._model.composites import Operator
+    from wavesplat._model.arguments.operators import Operator
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Turn", "cameras_of", "key_frames", "turned_in_place"]
 
 #: Number of directions that decide the scale of a turn; between two, less than the margin can be missing.
 N_DIRECTIONS = 48
@@ -90,7 +88,7 @@ class Turn:
             object.__setattr__(self, name, number(getattr(self, name), f"{name} of the turn", "a number"))
         if self.view_angle is not None:
             object.__setattr__(self, "view_angle", number(self.view_angle, "view_angle of the turn", "a number"))
-        camera_fit.check_lens(self.zoom, self.view_angle, 1.0)
+        fit.check_lens(self.zoom, self.view_angle, 1.0)
         axis: Iterable[float] = self.axis
         object.__setattr__(self, "axis", vector(axis, "axis of the turn"))
         length = float(np.linalg.norm(self.axis))
@@ -135,7 +133,7 @@ def cameras_of(turn: Turn, scene: Scene, composite: Operator | None, aspect: flo
     lens: Any = {"parallel_scale": first.parallel_scale, "view_angle": first.view_angle}
     cameras = [first]
     for angle in turn.angles[1:]:
-        matrix = camera_fit.about(turn.axis, angle)
+        matrix = fit.about(turn.axis, angle)
         cameras.append(Camera(first.focal_point + matrix @ offset, first.focal_point, matrix @ up, **lens))
     if eyes.panorama and not isinstance(turn.start, Camera):
         return [within(camera, is_level=turn.elevation == 0) for camera in cameras]
@@ -146,7 +144,7 @@ def turned_in_place(turn: Turn, camera: Camera) -> list[Camera]:
     """Cameras that turn where a camera is."""
     ahead: Any = np.subtract(camera.focal_point, camera.position)
     up: Any = np.array(camera.view_up)
-    turns = [camera_fit.about(turn.axis, angle) for angle in turn.angles]
+    turns = [fit.about(turn.axis, angle) for angle in turn.angles]
     return [replace(camera, focal_point=camera.position + m @ ahead, view_up=m @ up) for m in turns]
 
 
@@ -154,12 +152,12 @@ def _first(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) 
     if isinstance(turn.start, Camera):
         return turn.start.turned(turn.azimuth, turn.elevation).zoomed(turn.zoom)
     azimuth, elevation = direction_of(scene, turn.start, composite)
-    axes = camera_fit.orbit_axes(azimuth + turn.azimuth, elevation + turn.elevation)
+    axes = fit.orbit_axes(azimuth + turn.azimuth, elevation + turn.elevation)
     covered = min(abs(turn.degrees), 360.0) * (1 if turn.degrees > 0 else -1)
     n = max(2, round(N_DIRECTIONS * abs(covered) / 360) + 1)
-    views = [axes @ camera_fit.about(turn.axis, covered * k / (n - 1)).T for k in range(n)]
+    views = [axes @ fit.about(turn.axis, covered * k / (n - 1)).T for k in range(n)]
     around, points = what_is_seen(scene, composite, turn.times)
-    eye = camera_fit.placed_for_all(
+    eye = fit.placed_for_all(
         views, around, zoom=framing.FILLED * turn.zoom, view_angle=turn.view_angle, aspect=aspect, points=points
     )
     return Camera(eye.position, eye.focal_point, axes[1], parallel_scale=eye.parallel_scale, view_angle=eye.view_angle)

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._model import camera_fit
-from wavesplat._model.camera import Camera
+from wavesplat._model.camera import fit
+from wavesplat._model.camera.camera import Camera
 from wavesplat.errors import ArgumentError
 
 #: Orientation of axes (z, y, x) that a camera can show: z away from the eye, y down, x to the right.
@@ -91,7 +91,7 @@ def set_camera(viewer: Any, camera: Camera) -> None:
     """
     viewer.dims.ndisplay = 3
     _check_axes(viewer)
-    _, up, back = camera_fit.axes_of(camera)
+    _, up, back = fit.axes_of(camera)
     half_height = camera.parallel_scale
     if camera.view_angle is not None:
         half_height = dist(camera.position, camera.focal_point) * tan(radians(camera.view_angle) / 2)
@@ -109,7 +109,7 @@ def outside(camera: Camera, bounds: NDArray[np.float64]) -> Camera:
     """
     if camera.view_angle is not None:
         return camera
-    back = camera_fit.axes_of(camera)[2]
+    back = fit.axes_of(camera)[2]
     middle = np.mean(bounds, axis=0)
     radius = float(np.linalg.norm(bounds[1] - bounds[0]))
     along = float((middle - camera.focal_point) @ back)

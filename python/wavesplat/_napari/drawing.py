@@ -9,14 +9,14 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from wavesplat._geometry.surface import Surface
-from wavesplat._looks.labels import Label, Labels
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.labels.labels import Label, Labels
 from wavesplat._looks.look import Look
-from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._mesh.meshing import mesh
-from wavesplat._model.composites import AttenuatedMaximum, FirstHit
-from wavesplat._model.napari_layer import of_napari
-from wavesplat._model.options import Composite, Quality
-from wavesplat._model.volume import Volume
+from wavesplat._model.arguments.operators import AttenuatedMaximum, FirstHit
+from wavesplat._model.arguments.sampling import Composite, Quality
+from wavesplat._model.interchange.napari_layer import of_napari
+from wavesplat._model.volume.volume import Volume
 from wavesplat._napari.cameras import camera_of, canvas_size, is_mirrored, outside
 from wavesplat._napari.geometry import is_geometry, shape_of
 from wavesplat._picture.picture import Picture

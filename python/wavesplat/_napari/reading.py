@@ -13,17 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.libraries import library
-from wavesplat._looks.channel_colors import color_of
-from wavesplat._looks.channels import is_full_range_window
-from wavesplat._looks.histogram import finite_samples
-from wavesplat._looks.kinds import kind_of
-from wavesplat._model import units
-from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._model.series import Series
-from wavesplat._model.volume import Volume
+from wavesplat._looks.kinds.channel_colors import color_of
+from wavesplat._looks.kinds.channels import is_full_range_window
+from wavesplat._looks.kinds.histogram import finite_samples
+from wavesplat._looks.kinds.kinds import kind_of
+from wavesplat._model.lazy.volume import LazyVolume
+from wavesplat._model.volume import units
+from wavesplat._model.volume.series import Series
+from wavesplat._model.volume.volume import Volume
 from wavesplat._readers.request import SeveralError
 from wavesplat._readers.time_points import open_series
+from wavesplat._system.libraries import library
 from wavesplat.errors import ArgumentError
 
 LayerData = tuple[Any, dict[str, Any], str]

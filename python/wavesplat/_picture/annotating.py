@@ -15,15 +15,64 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks import colors
-from wavesplat._model import units
-from wavesplat._model.argument_types import described
-from wavesplat._model.sources import absolute
-from wavesplat._model.time_stamps import FIGURE_SPACE
-from wavesplat._picture import color_bar, legend, lettering, orientation, raster, report_facts, scale_bar
-from wavesplat._picture.marks import Block, Canvas, Color, Mark, Polygon, Text, moved
-from wavesplat._picture.style import WHITE, Style, contrast
+from wavesplat._looks.curves import colors
+from wavesplat._model.volume import units
+from wavesplat._model.volume.series import FIGURE_SPACE
+from wavesplat._model.volume.sources import absolute
+from wavesplat._picture import color_bar, lettering, orientation, raster, report_facts, scale_bar
+from wavesplat._picture.lettering import CAP_HEIGHT, text_width
+from wavesplat._picture.marks import WHITE, Block, Canvas, Color, Mark, Polygon, Rectangle, Style, Text, contrast, moved
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
+
+# Legends: a swatch of colour and a name a line, in columns.
+
+#: Largest number of entries of a legend that was not asked for by name.
+LONGEST = 30
+#: Smallest number of lines in a column, where the picture is lower: else columns are as many as names.
+MIN_LEGEND_LINES = 16
+
+#: Sizes in units of the font: a swatch, the gap to its name, a line, and the gap between columns.
+SWATCH, LEGEND_GAP, LINE, COLUMN = 0.85, 0.5, 1.45, 1.4
+
+
+def shortened(swatches: Sequence[tuple[str, Color]]) -> list[tuple[str, Color | None]]:
+    """The names, of very many the first ones and how many more there are."""
+    if len(swatches) <= LONGEST:
+        return list(swatches)
+    return [*swatches[:LONGEST], (f"and {len(swatches) - LONGEST} more", None)]
+
+
+def legend_block(
+    swatches: Sequence[tuple[str, Color | None]], height: float, style: Style, *, may_be_higher: bool
+) -> Block:
+    """All names, in as few columns as the height allows, which are equally long; without a colour, the name alone.
+
+    may_be_higher : the block may be higher than the picture that it stands beside.
+    """
+    size = style.size
+    most = max(MIN_LEGEND_LINES if may_be_higher else 1, int((height - SWATCH * size) / (LINE * size)) + 1)
+    n_columns = ceil(len(swatches) / most)
+    n_rows = ceil(len(swatches) / n_columns)
+    marks: list[Mark] = []
+    x = right = 0.0
+    for start in range(0, len(swatches), n_rows):
+        column = swatches[start : start + n_rows]
+        for row, (name, color) in enumerate(column):
+            y = row * LINE * size
+            line = max(1.0, round(0.05 * size))
+            side = SWATCH * size
+            if color is not None:
+                marks.append(Rectangle(x, y, side, side, style.ink, style.halo))
+                marks.append(Rectangle(x + line, y + line, side - 2 * line, side - 2 * line, color))
+            baseline = y + (side + CAP_HEIGHT * size) / 2
+            marks.append(Text(x + side + LEGEND_GAP * size, baseline, name, size, style.ink, "start", style.halo))
+        right = x + (SWATCH + LEGEND_GAP) * size + max(text_width(name, size, style.font) for name, _ in column)
+        x = right + COLUMN * size
+    return Block(tuple(marks), right, (n_rows - 1) * LINE * size + SWATCH * size)
+
+
+# A picture with a scale bar, the letters of its directions, colour bars, a legend and a title.
 
 Corner: TypeAlias = Literal["lower left", "lower right", "upper left", "upper right"]
 Side: TypeAlias = Literal["beside", "lower left", "lower right", "upper left", "upper right"]
@@ -113,7 +162,7 @@ def annotated(
         beside = figure.legend_at == "beside"
         room = height - 2 * margin
         if swatches:
-            block = legend.block(swatches, room, style if beside else on_picture, may_be_higher=beside)
+            block = legend_block(swatches, room, style if beside else on_picture, may_be_higher=beside)
             sheet.put(block, figure.legend_at, "the legend")
             taken = block.height + 2 * GAP * style.size if beside and figure.colorbar_at == "beside" else 0.0
     if figure.colorbar is not False:
@@ -428,7 +477,7 @@ def _named(figure: Figure, report: Mapping[str, Any]) -> list[tuple[str, Color |
             "there is nothing for a legend: this picture has no labels, no lines, and not several layers"
         )
     if figure.legend is True:
-        return legend.shortened(swatches)
+        return shortened(swatches)
     if isinstance(figure.legend, str) or not isinstance(figure.legend, Iterable):
         raise ArgumentError(f"legend is {described(figure.legend)}; give True, or the names that it shall have")
     known = dict(swatches)

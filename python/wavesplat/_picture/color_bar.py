@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks import colormaps
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._model import units
+from wavesplat._looks.curves import colormaps
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._model.volume import units
 from wavesplat._picture.lettering import CAP_HEIGHT, text_width
-from wavesplat._picture.marks import UPWARDS, Block, Color, Mark, Ramp, Rectangle, Text
-from wavesplat._picture.style import Style
+from wavesplat._picture.marks import UPWARDS, Block, Color, Mark, Ramp, Rectangle, Style, Text
 from wavesplat.errors import ArgumentError
 
 #: Sizes of the bar, in sizes of the font: width, length of a tick, gap to its number, least height for a number.

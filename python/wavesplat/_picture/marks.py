@@ -1,4 +1,4 @@
-"""Marks that are drawn on a picture: a list of few kinds, which every kind of file can hold.
+"""Marks that are drawn on a picture: a list of few kinds, which every kind of file can hold, and their style.
 
     canvas (width, height, background) = a rendering at a place + marks over it
 
@@ -16,6 +16,40 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+# The style of marks: size, colours, typeface.
+
+BLACK: Color = (0.0, 0.0, 0.0)
+WHITE: Color = (1.0, 1.0, 1.0)
+#: Width of a halo, in sizes of the font.
+HALO = 0.09
+
+
+@dataclass(frozen=True)
+class Style:
+    """Size of the font in pixels, colour of what is written, its halo, and the file of the typeface."""
+
+    size: float
+    ink: Color
+    halo: Halo | None = None
+    font: str | None = None
+
+    def on_picture(self) -> Style:
+        """The style with a halo, to be seen on anything."""
+        return replace(self, halo=(contrast(self.ink), max(1.0, HALO * self.size)))
+
+
+def luminance(color: Color) -> float:
+    """Luminance (Rec. 709) of a colour as it is shown."""
+    return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]
+
+
+def contrast(color: Color) -> Color:
+    """Black or white, whichever contrasts with a colour."""
+    return BLACK if luminance(color) > 0.45 else WHITE
+
+
+# Marks that are drawn on a picture: a list of few kinds, which every kind of file can hold.
 
 Color: TypeAlias = tuple[float, float, float]
 Point: TypeAlias = tuple[float, float]

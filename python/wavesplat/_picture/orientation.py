@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._picture.lettering import CAP_HEIGHT, text_width
-from wavesplat._picture.marks import Block, Color, Halo, Mark, Polygon, Text, disc, stroke
-from wavesplat._picture.style import Style
+from wavesplat._picture.marks import Block, Color, Halo, Mark, Polygon, Style, Text, disc, stroke
 
 if TYPE_CHECKING:
     from wavesplat._picture.report_facts import View

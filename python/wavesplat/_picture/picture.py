@@ -1,9 +1,11 @@
-"""A rendered picture: float RGBA, and the files it can be written to."""
+"""A rendered picture: float RGBA, the files it can be written to, and how it is shown on the screen."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,15 +13,73 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.arguments.types import takes_its_types
+from wavesplat._model.volume import units
 from wavesplat._picture.marks import Canvas, Mark
 from wavesplat._picture.report import Report
 from wavesplat._public import public
-from wavesplat.errors import ArgumentError
+from wavesplat._system.libraries import library
+from wavesplat._system.values import described
+from wavesplat.errors import ArgumentError, LibraryError
 
 if TYPE_CHECKING:
-    from wavesplat._model.camera import Camera
+    from wavesplat._model.camera.camera import Camera
     from wavesplat._picture.annotating import Corner, Orientation, Side
+
+# A picture on the screen, and as a figure of matplotlib.
+
+#: Pixels per inch of matplotlib's figures where a picture does not have its own.
+DPI = 100.0
+
+
+def show(picture: Picture) -> None:
+    """Show a picture below the cell of a notebook, or in the system's viewer."""
+    interactive = sys.modules.get("IPython")
+    shell = interactive.get_ipython() if interactive else None
+    if shell is not None and hasattr(shell, "kernel"):
+        import_module("IPython.display").display(picture)
+        return
+    from PIL import ImageShow
+
+    if not ImageShow.show(picture.to_pil(), title="wavesplat"):
+        raise LibraryError('this system has no viewer of pictures; write a file with picture.save("picture.png")')
+
+
+def figure(picture: Picture) -> Any:
+    """A figure as large as the picture, with axes around it."""
+    library("matplotlib", extra="figure")
+    from matplotlib.figure import Figure
+
+    width, height = picture.size
+    made = Figure(figsize=(width / DPI + 1, height / DPI + 1), dpi=DPI, layout="constrained")
+    axes = made.add_subplot()
+    if picture.pixel is None:
+        axes.imshow(picture)
+        axes.set_axis_off()
+        return made
+    across, left, right = _axis(picture, "right", width)
+    along, top, bottom = _axis(picture, "down", height)
+    axes.imshow(picture, extent=(left, right, bottom, top))
+    unit = f" ({units.written(picture.unit)})" if picture.unit else ""
+    axes.set_xlabel(across + unit)
+    axes.set_ylabel(along + unit)
+    return made
+
+
+def _axis(picture: Picture, way: str, n_px: int) -> tuple[str, float, float]:
+    """The label of an axis of the picture, and the coordinates of its first and last edge."""
+    report, pixel = picture.report, picture.pixel or 1.0
+    direction, origin = report.get(way), report.get("origin")
+    if direction is not None and origin is not None:
+        for name, share, place in zip("xyz", direction, origin, strict=True):
+            if abs(share) == 1:
+                first = place - share * pixel / 2
+                return name, first, first + share * n_px * pixel
+    half = n_px * pixel / 2
+    return ("right", -half, half) if way == "right" else ("up", half, -half)
+
+
+# A rendered picture: float RGBA, and the files it can be written to.
 
 #: Largest resolution, pixels per inch: more than any printer has.
 MAX_DPI = 10_000
@@ -94,7 +154,7 @@ class Picture:
     @property
     def camera(self) -> Camera | None:
         """Camera of the picture; None where unknown, as of a slice."""
-        from wavesplat._model.camera import Camera
+        from wavesplat._model.camera.camera import Camera
 
         camera = self.report.get("camera")
         return None if camera is None else Camera.from_json(camera)
@@ -220,7 +280,7 @@ class Picture:
         '100 mm'
         >>> figure.save("pelvis.svg")
         """
-        from wavesplat._model.private_names import with_fields
+        from wavesplat._model.volume.private_names import with_fields
         from wavesplat._picture import annotating, raster
 
         wanted = annotating.Figure(
@@ -304,8 +364,8 @@ class Picture:
         >>> sorted(os.listdir(folder))
         ['ripples.jpg', 'ripples.png']
         """
-        from wavesplat._files import output
         from wavesplat._picture import picture_files
+        from wavesplat._storage import output
 
         suffix = output.check_output(path, "pictures")
         check_bits(bits)
@@ -325,13 +385,13 @@ class Picture:
                     picture_files.with_scene(content, self.report.get("scene"), folder) if scene else content
                 )
             elif suffix == ".svg":
-                from wavesplat._picture import svg
+                from wavesplat._picture import vector_files
 
-                part.write_text(svg.written(canvas, bits), encoding="utf-8")
+                part.write_text(vector_files.svg_written(canvas, bits), encoding="utf-8")
             elif suffix == ".pdf":
-                from wavesplat._picture import pdf
+                from wavesplat._picture import vector_files as pdf
 
-                part.write_bytes(pdf.written(canvas))
+                part.write_bytes(pdf.pdf_written(canvas))
             elif suffix == ".exr":
                 picture_files.write_exr(self, part)
             elif suffix in (".tif", ".tiff"):
@@ -373,9 +433,7 @@ class Picture:
         LibraryError
             If the system has no viewer.
         """
-        from wavesplat._picture import showing
-
-        showing.show(self)
+        show(self)
 
     def figure(self) -> Any:
         """A `matplotlib.figure.Figure` with the picture; its axes have world units where `pixel` is known.
@@ -395,9 +453,7 @@ class Picture:
         >>> figure.axes[0].get_xlabel()
         'x (mm)'
         """
-        from wavesplat._picture import showing
-
-        return showing.figure(self)
+        return figure(self)
 
     def __repr__(self) -> str:
         width, height = self.size

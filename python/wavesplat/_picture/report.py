@@ -6,10 +6,8 @@ import json
 import math
 from typing import Any, NamedTuple
 
-from wavesplat._model.private_names import whole
+from wavesplat._model.volume.private_names import whole
 from wavesplat._public import public
-
-__all__ = ["FIELDS", "Report", "finite"]
 
 WHOLE, TEXT, FLAG, OBJECT = ({"type": name} for name in ("integer", "string", "boolean", "object"))
 #: A number that is not finite is null in JSON.

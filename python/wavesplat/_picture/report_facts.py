@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks import colors, transfer_function_json
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._model.camera import Camera
-from wavesplat._model.facts import Facts, Rgb
+from wavesplat._looks.curves import colors, transfer_function
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.volume.facts import Facts, Rgb
 from wavesplat.errors import ArgumentError
 
 Array = NDArray[np.float64]
@@ -133,7 +133,7 @@ def shown_layer(name: str, composite: str, function: Any, values: str, quantity:
 
     values : their unit. quantity : what the values are, where that is known.
     """
-    curves = transfer_function_json.fields_of(function) if isinstance(function, TransferFunction) else None
+    curves = transfer_function.fields_of(function) if isinstance(function, TransferFunction) else None
     named = {"quantity": quantity} if quantity else {}
     return {"name": name, **named, "values": values, "composite": composite, "transfer_function": curves}
 

@@ -6,15 +6,11 @@ import re
 from dataclasses import dataclass
 from math import floor, isfinite, log10
 
-from wavesplat._files.values import float_of
-from wavesplat._model import units
-from wavesplat._model.argument_types import described
+from wavesplat._model.volume import units
 from wavesplat._picture.lettering import CAP_HEIGHT, text_width
-from wavesplat._picture.marks import Block, Mark, Rectangle, Text
-from wavesplat._picture.style import Style
+from wavesplat._picture.marks import Block, Mark, Rectangle, Style, Text
+from wavesplat._system.values import described, float_of
 from wavesplat.errors import ArgumentError
-
-__all__ = ["Bar", "bar_of", "block", "round_length"]
 
 #: Wanted length of a bar, as a share of the picture's width.
 SHARE = 0.2

@@ -1,1 +1,1 @@
-"""Readers: one module per family of formats, each with `read(request) -> Grid`; `opening` chooses one."""
+"""Readers: a folder for what belongs together, a module per family of formats; `opening` chooses one."""

@@ -8,25 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._model.facts import COLORS, quantity_of
+from wavesplat._model.volume.facts import COLORS, quantity_of
 from wavesplat._readers.request import Request, choose
 from wavesplat.errors import ArgumentError
-
-__all__ = [
-    "AXES",
-    "LENGTH_NOTE",
-    "N_COMPONENTS",
-    "check_vectors",
-    "chosen_component",
-    "component_of",
-    "facts_of_colors",
-    "has_vectors",
-    "is_length",
-    "length_along",
-    "length_of",
-    "quantity_of_array",
-    "type_of_length",
-]
 
 AXES = "xyz"
 #: Components of a vector.

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from math import prod
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._readers.families import reader_of
 from wavesplat._readers.request import Request
 
 Range = tuple[float, float] | None
@@ -59,7 +59,7 @@ class Contents:
 
 def contents_of(request: Request, family: str) -> Contents | None:
     """The contents of a file; None if its reader cannot list them. `family`: the module that reads the file."""
-    listed: Any = getattr(import_module(f"wavesplat._readers.{family}"), "contents", None)
+    listed: Any = getattr(reader_of(family), "contents", None)
     found: Contents | None = None if listed is None else listed(request)
     return found
 

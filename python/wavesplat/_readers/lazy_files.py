@@ -6,14 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from wavesplat._files import size_checks
-from wavesplat._files.mute_stderr import muted_stderr
-from wavesplat._readers import detached_samples, itk
 from wavesplat._readers.levels import Levels, OneVolume, one_stream, stored_samples
+from wavesplat._readers.nrrd import detached_samples, itk
 from wavesplat._readers.request import Grid, Request
+from wavesplat._storage import size_checks
+from wavesplat._system.libraries import muted_stderr
 from wavesplat.errors import FileError
-
-__all__ = ["levels"]
 
 
 def levels(request: Request) -> Levels | Grid:

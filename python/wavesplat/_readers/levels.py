@@ -16,19 +16,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import size_checks
-from wavesplat._files.file_states import StoredFiles
-from wavesplat._files.stored_array import StoredArray
-from wavesplat._model.converted import check_shape
-from wavesplat._model.facts import Facts
-from wavesplat._model.lazy_array import SlicedArray, along_zyx
-from wavesplat._model.lazy_checks import renderable_type
+from wavesplat._model.interchange.converted import check_shape
+from wavesplat._model.lazy.array import SlicedArray, along_zyx
+from wavesplat._model.lazy.checks import renderable_type
+from wavesplat._model.volume.facts import Facts
 from wavesplat._readers.components import AXES, LENGTH_NOTE, check_vectors, has_vectors, length_along, type_of_length
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of
 from wavesplat._readers.single_planes import level_of_plane, note_on_level
+from wavesplat._storage import size_checks
+from wavesplat._storage.file_states import StoredFiles
+from wavesplat._storage.stored_arrays import StoredArray
 from wavesplat.errors import ArgumentError, FileError
-
-__all__ = ["INSTEAD", "Levels", "OneVolume", "one_stream", "one_volume", "stored_samples"]
 
 INSTEAD = "store the samples in chunks, as a Zarr array"
 

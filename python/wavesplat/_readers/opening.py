@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,44 +19,46 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
-from wavesplat._files import size_checks
-from wavesplat._files.cancelling import check_cancelled
-from wavesplat._files.file_names import FileName
-from wavesplat._files.file_states import StoredFiles
-from wavesplat._files.memory import free_bytes
-from wavesplat._files.notes import warn
-from wavesplat._files.paths import check_no_pipe, check_text, printable
-from wavesplat._files.reading import reading
-from wavesplat._files.zarr_archive import holds_zarr
-from wavesplat._model import affine, sources
-from wavesplat._model.argument_types import described, takes_its_types
-from wavesplat._model.facts import Facts
-from wavesplat._model.lazy_volume import LazyVolume, default_memory, lazily
-from wavesplat._model.option_lists import takes_options
-from wavesplat._model.scan_names import name_of_facts
-from wavesplat._model.volume import Volume
-from wavesplat._model.volume_like import VolumeLike, as_volume
+from wavesplat._model.arguments.types import takes_its_types, takes_options
+from wavesplat._model.lazy.volume import LazyVolume, default_memory, lazily
+from wavesplat._model.volume import affine, sources
+from wavesplat._model.volume.facts import Facts
+from wavesplat._model.volume.grid import name_of_facts
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
-from wavesplat._readers import bioio_files, netcdf, single_planes, vasp, vtk_grids
-from wavesplat._readers.bdv_n5 import holds_setups
-from wavesplat._readers.dicom_places import begins_as_dicom
+from wavesplat._readers import single_planes
+from wavesplat._readers.dicom.places import begins_as_dicom
+from wavesplat._readers.families import reader_of
 from wavesplat._readers.file_contents import Contents, contents_of
-from wavesplat._readers.hdf5 import kind_of as hdf5_kind
+from wavesplat._readers.hdf5 import netcdf
+from wavesplat._readers.hdf5.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.levels import INSTEAD, Levels
+from wavesplat._readers.microscopes import bioio_files
+from wavesplat._readers.microscopes.bdv_n5 import holds_setups
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import PLANES_ARE_TAKEN, Grid, Request, requested
+from wavesplat._readers.simulations import vasp
 from wavesplat._readers.unsupported_formats import (
     check_no_empty_case,
     foreign_content,
     foreign_folder,
     foreign_kind,
 )
+from wavesplat._readers.vtk import grids
+from wavesplat._storage import size_checks
+from wavesplat._storage.file_states import StoredFiles
+from wavesplat._storage.paths import FileName, check_no_pipe, check_text, printable
+from wavesplat._storage.reading import reading
+from wavesplat._storage.zarr.place import holds_zarr
+from wavesplat._system.memory import free_bytes
+from wavesplat._system.threads import check_cancelled, warn
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatError
 
 if TYPE_CHECKING:
     from typing import Unpack
 
-__all__ = ["contents", "grid_of", "is_zarr", "open", "opened"]
 
 #: Suffix -> module. Longer suffixes come first where one ends with another.
 SUFFIXES = {
@@ -81,7 +82,7 @@ SUFFIXES = {
     ".mhd": "itk",
     ".vtk": "vtk_legacy",
     ".vti": "vti",
-    **dict.fromkeys(vtk_grids.SUFFIXES, "vtk_grids"),
+    **dict.fromkeys(grids.SUFFIXES, "vtk_grids"),
     **dict.fromkeys((".pvd", ".series"), "vtk_series"),
     ".dcm": "dicom",
     ".ima": "dicom",
@@ -260,7 +261,7 @@ def contents(request: Request) -> Contents | None:
     if request.is_url:
         return None
     family = _family(replace(request, dataset=None))
-    if family == "vtk_legacy" and vtk_grids.is_grid(request.file, or_mesh=True):
+    if family == "vtk_legacy" and grids.is_grid(request.file, or_mesh=True):
         family = "vtk_grids"
     return contents_of(request, family)
 
@@ -306,8 +307,9 @@ def _found(request: Request, family: str, most: float) -> Levels | Grid:
                 f"of this kind of file ({family}) parts cannot be read; open it without memory=, or {INSTEAD}: "
                 f"{request.safe_path}"
             )
-        return import_module(f"wavesplat._readers.{family}").read(request)
-    levels = import_module(f"wavesplat._readers.{'lazy_files' if family == 'itk' else family}").levels
+        whole: Grid = reader_of(family).read(request)
+        return whole
+    levels: Callable[[Request], Levels | Grid] = reader_of("lazy_files" if family == "itk" else family).levels
     with reading(IN_PARTS[family], request.safe_path):
         if family in UNCOMPRESSED and request.memory is None:
             if request.file.stat().st_size > most:
@@ -471,7 +473,7 @@ def _family_by_content(family: str | None, path: Path) -> str | None:
         return "vasp"
     if family == "hdf5" and netcdf.is_netcdf(path):
         return "netcdf"
-    if family in ("vti", "vtk_legacy") and vtk_grids.is_grid(path):
+    if family in ("vti", "vtk_legacy") and grids.is_grid(path):
         return "vtk_grids"
     return family
 

@@ -15,8 +15,6 @@ from wavesplat._public import public
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike
 
-__all__ = ["FileOptions", "OpenOptions", "OpenValues"]
-
 
 class FileOptions(TypedDict, total=False):
     """Options of every function that opens files; `OpenOptions` documents them."""

@@ -17,34 +17,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.addresses import checked, is_address, last_part, safe_address
-from wavesplat._files.file_names import NAMELESS, FileName
-from wavesplat._files.named_files import check_within
-from wavesplat._files.paths import expanded
-from wavesplat._model import units
-from wavesplat._model.facts import Facts
+from wavesplat._model.volume import units
+from wavesplat._model.volume.facts import Facts
 from wavesplat._readers.options import OpenValues
+from wavesplat._storage.addresses import checked, is_address, last_part, safe_address
+from wavesplat._storage.paths import NAMELESS, FileName, check_within, expanded
 from wavesplat.errors import ArgumentError, FileError
-
-__all__ = [
-    "Grid",
-    "PictureError",
-    "Request",
-    "SeveralError",
-    "choose",
-    "index_unnamed_axes",
-    "level_numbers",
-    "listed",
-    "n_times_of",
-    "named_within",
-    "no_such_name",
-    "quiet",
-    "requested",
-    "several",
-    "unwarned",
-    "window_of",
-]
-
 
 #: Names that a message lists, at most.
 MAX_LISTED = 40

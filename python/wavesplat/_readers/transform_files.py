@@ -22,14 +22,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.notes import warn
-from wavesplat._files.paths import check_no_pipe, expanded
-from wavesplat._model import affine
-from wavesplat._model.argument_types import takes_its_types
-from wavesplat._model.grid import Grid
-from wavesplat._model.hdf5_files import check_links
-from wavesplat._model.volume_like import VolumeLike, as_volume
+from wavesplat._model.arguments.types import takes_its_types
+from wavesplat._model.interchange.hdf5 import check_links
+from wavesplat._model.volume import affine
+from wavesplat._model.volume.grid import Grid
+from wavesplat._model.volume.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
+from wavesplat._storage.paths import check_no_pipe, expanded
+from wavesplat._system.threads import warn
 from wavesplat.errors import ArgumentError, FileError
 
 Matrix = NDArray[np.float64]

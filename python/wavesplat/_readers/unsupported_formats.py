@@ -13,7 +13,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import NamedTuple
 
-from wavesplat._readers.vtk_arrays import other_grid
+from wavesplat._readers.vtk.arrays import other_grid
 from wavesplat.errors import FileError
 
 OF_N5 = (

@@ -13,41 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._files.memory import check_room
-from wavesplat._files.values import whole
-from wavesplat._looks.labels import Labels
+from wavesplat._looks.curves.materials import Materials
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.labels.labels import Labels
 from wavesplat._looks.look import Look
-from wavesplat._looks.materials import Materials
 from wavesplat._looks.shading import Shading
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import described
-from wavesplat._model.camera import Camera, check_place, check_view
-from wavesplat._model.clips import Clipping
-from wavesplat._model.cutting import Boxes, without
-from wavesplat._model.grid import Grid
-from wavesplat._model.options import MAX_SIDE_PX, Composite
-from wavesplat._model.stereo import PLAIN, VIEW_ANGLE, Eyes, within
-from wavesplat._model.views import view_angles
-from wavesplat._model.volume import Volume
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._model.arguments.clips import Clipping
+from wavesplat._model.arguments.sampling import MAX_SIDE_PX, Composite
+from wavesplat._model.camera.camera import Camera, check_place, check_view
+from wavesplat._model.camera.stereo import PLAIN, VIEW_ANGLE, Eyes, within
+from wavesplat._model.camera.views import view_angles
+from wavesplat._model.volume.cutting import Boxes, without
+from wavesplat._model.volume.grid import Grid
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._render import framing
+from wavesplat._system.memory import check_room
+from wavesplat._system.values import described, whole
 from wavesplat.errors import ArgumentError
-
-__all__ = [
-    "DEFAULT_SHADING",
-    "HEADLIGHT",
-    "check_picture_memory",
-    "checked_count",
-    "checked_size",
-    "chosen_camera",
-    "chosen_labels",
-    "chosen_look",
-    "chosen_threads",
-    "chosen_transfer_function",
-    "cut_open",
-    "region",
-]
 
 DEFAULT_SHADING = Shading()
 #: Default light of studies, which compare with the light of other renderers.

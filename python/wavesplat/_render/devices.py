@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from wavesplat import gpu
-from wavesplat._model.argument_types import described
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 #: Environment variable with the device that "auto" stands for: for jobs and tests.

@@ -20,14 +20,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks.hounsfield import looks_like_hounsfield
-from wavesplat._looks.thresholds import otsu, robust_range_of
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.camera import Camera
-from wavesplat._model.clips import Clipping
-from wavesplat._model.volume import Volume
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.kinds.histogram import otsu, robust_range_of
+from wavesplat._looks.kinds.hounsfield import looks_like_hounsfield
+from wavesplat._model.arguments.clips import Clipping
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
 NOTE = (
     "a head is drawn with its skin: the picture may show a face that can be recognised; before you publish it, deface "

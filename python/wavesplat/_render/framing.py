@@ -12,23 +12,29 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks.kinds import found_in
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._model import camera_fit
-from wavesplat._model.camera import Camera
-from wavesplat._model.clips import Clipping
-from wavesplat._model.facts import Facts
-from wavesplat._model.few_slices import axis_of_distant_slices, axis_of_few_slices, is_thin
-from wavesplat._model.grid import Grid
-from wavesplat._model.placement import NO_PLACE, UPRIGHT, is_placed_by_default
-from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
-from wavesplat._model.views import view_angles
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.kinds.kinds import found_in
+from wavesplat._model.arguments.clips import Clipping
+from wavesplat._model.camera import fit
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.camera.views import view_angles
+from wavesplat._model.lazy.survey import HISTOGRAM_SAMPLES, step_for
+from wavesplat._model.volume.facts import Facts
+from wavesplat._model.volume.grid import (
+    NO_PLACE,
+    UPRIGHT,
+    Grid,
+    axis_of_distant_slices,
+    axis_of_few_slices,
+    is_placed_by_default,
+    is_thin,
+)
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
     from wavesplat._looks.look import Look
-    from wavesplat._model.crop import Crop
-    from wavesplat._model.volume import Volume
+    from wavesplat._model.arguments.clips import Crop
+    from wavesplat._model.volume.volume import Volume
 
 #: A volume and its look.
 Part: TypeAlias = "tuple[Volume | WaveletVolume, Look]"
@@ -140,7 +146,7 @@ def in_view_again(
     `zoom`: how much more than that it magnifies, which is kept.
     """
     around, points = shown_points(parts, clipping, also)
-    return camera_fit.widened(camera, around if points is None else points, zoom=zoom, aspect=aspect)
+    return fit.widened(camera, around if points is None else points, zoom=zoom, aspect=aspect)
 
 
 def shown_points(

@@ -12,26 +12,26 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wavesplat import _native
-from wavesplat._files.file_states import FileChangedError
-from wavesplat._model.camera import Camera
-from wavesplat._model.lazy_array import LazyArray, lazy_array
-from wavesplat._model.lazy_parts import box_of_crop, corners_of_crop
-from wavesplat._model.lazy_volume import LazyVolume, Level, lazily
-from wavesplat._model.read_ahead import Box, ReadCounts, check_budget
-from wavesplat._model.volume import Volume
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.lazy.array import LazyArray, lazy_array
+from wavesplat._model.lazy.parts import box_of_crop, corners_of_crop
+from wavesplat._model.lazy.read_ahead import Box, ReadCounts, check_budget
+from wavesplat._model.lazy.volume import LazyVolume, Level, lazily
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._render.arguments import chosen_labels
 from wavesplat._render.streaming import Corners, Reading, Streaming, streamed
+from wavesplat._storage.file_states import FileChangedError
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._geometry.shape_arrays import ShapeArrays
-    from wavesplat._looks.labels import Labels
+    from wavesplat._looks.curves.transfer_function import TransferFunction
+    from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
+    from wavesplat._looks.labels.labels import Labels
     from wavesplat._looks.shading import Shading
-    from wavesplat._looks.transfer_function import TransferFunction
-    from wavesplat._looks.transfer_function_2d import TransferFunction2D
-    from wavesplat._model.crop import Crop
-    from wavesplat._model.cutting import Boxes
+    from wavesplat._model.arguments.clips import Crop
+    from wavesplat._model.volume.cutting import Boxes
     from wavesplat._render.options import DrawOptions
 
 #: Text of the report where range and bounds were read from a cache folder, without a pass over the samples.

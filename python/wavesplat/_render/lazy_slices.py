@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.byte_sizes import byte_size
-from wavesplat._model.lazy_parts import read_box
-from wavesplat._model.lazy_volume import LazyVolume, Level
-from wavesplat._model.read_ahead import Box
-from wavesplat._model.volume import Volume
+from wavesplat._model.lazy.parts import read_box
+from wavesplat._model.lazy.read_ahead import Box
+from wavesplat._model.lazy.volume import LazyVolume, Level
+from wavesplat._model.volume.volume import Volume
+from wavesplat._system.memory import byte_size
 from wavesplat.errors import LimitError
 
 #: Samples that kernels reach beyond a plane, coefficients of B-splines included.

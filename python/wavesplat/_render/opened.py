@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from wavesplat._model.camera import Camera
-from wavesplat._model.crop import Crop
-from wavesplat._model.cutting import without
-from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._model.views import view_angles
-from wavesplat._model.volume import Volume
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._model.arguments.clips import Crop
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.camera.views import view_angles
+from wavesplat._model.lazy.volume import LazyVolume
+from wavesplat._model.volume.cutting import without
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._render.framing import natural_view
 
 BLOCK = "matter fills the volume up to its faces, as in a crop or a small field of view"

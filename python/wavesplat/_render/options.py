@@ -6,10 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
-from wavesplat._model.composites import Operator
-from wavesplat._model.options import Kernel, Quality
-from wavesplat._model.sampling import Sampling
-from wavesplat._model.stereo import Eyes, Stereo, checked_eyes
+from wavesplat._model.arguments.operators import Operator
+from wavesplat._model.arguments.sampling import Kernel, Quality, Sampling
+from wavesplat._model.camera.stereo import Eyes, Stereo, checked_eyes
 from wavesplat._public import public
 
 

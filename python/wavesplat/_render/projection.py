@@ -11,11 +11,11 @@ from typing import TypeAlias, TypedDict
 
 import numpy as np
 
-from wavesplat._looks import colormaps, colors, histogram
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.camera import Camera
-from wavesplat._model.composites import (
+from wavesplat._looks.curves import colormaps, colors
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.kinds import histogram
+from wavesplat._model.arguments.operators import (
     AXES,
     AttenuatedMaximum,
     DepthColoredMaximum,
@@ -25,8 +25,9 @@ from wavesplat._model.composites import (
     XRay,
     name_of,
 )
-from wavesplat._model.volume import Volume
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
 
 #: Transfer function of a picture of which only the values are used, and its longer side, pixels.

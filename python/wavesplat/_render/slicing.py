@@ -1,7 +1,7 @@
 """Slices through a volume, thin or thick, as grey values or in the colours of a transfer function.
 
 The world of medical data is RAS: x grows to the patient's right, y to the front, z upwards.
-`_model/views.py` says how planes of a body, and of other data, are shown.
+`_model/camera/views.py` says how planes of a body, and of other data, are shown.
 An oblique plane is shown as the nearest of these three is, whichever way its normal points.
 """
 
@@ -16,24 +16,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._files.values import number, numbers, positive
-from wavesplat._looks import colors
-from wavesplat._looks.kinds import unit_of_values
+from wavesplat._looks.curves import colors
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.kinds.kinds import unit_of_values
 from wavesplat._looks.layer_names import layer_name_of
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model import affine
-from wavesplat._model.argument_types import described
-from wavesplat._model.camera import check_place
-from wavesplat._model.forked import drawing
-from wavesplat._model.grid import Grid
-from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._model.options import Kernel, Plane, Slab
-from wavesplat._model.placement import UPRIGHT
-from wavesplat._model.vectors import check_magnitude, point_and_normal, triple
-from wavesplat._model.views import PLANES, named_plane, nearest_plane, plane_view
-from wavesplat._model.volume import Volume
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._model.arguments.sampling import Kernel, Plane, Slab
+from wavesplat._model.camera.camera import check_place
+from wavesplat._model.camera.views import (
+    PLANES,
+    check_magnitude,
+    named_plane,
+    nearest_plane,
+    plane_view,
+    point_and_normal,
+    triple,
+)
+from wavesplat._model.lazy.volume import LazyVolume
+from wavesplat._model.volume import affine
+from wavesplat._model.volume.forked import drawing
+from wavesplat._model.volume.grid import UPRIGHT, Grid
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._picture import orientation
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
@@ -48,22 +52,8 @@ from wavesplat._render.arguments import (
 )
 from wavesplat._render.lazy_slices import part_around
 from wavesplat._render.notes import notes_on_slice
+from wavesplat._system.values import described, number, numbers, positive
 from wavesplat.errors import ArgumentError
-
-__all__ = [
-    "PIXEL_BYTES",
-    "Planes",
-    "in_colors",
-    "in_greys",
-    "normal_of",
-    "place_of",
-    "planes_at",
-    "planes_of",
-    "planes_through",
-    "positions_across",
-    "sides_of",
-    "sliced",
-]
 
 Array: TypeAlias = NDArray[np.float64]
 

@@ -15,10 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._files.byte_sizes import byte_size
-from wavesplat._files.memory import trim_heap
-from wavesplat._model.lazy_array import LazyArray
-from wavesplat._model.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, ReadCounts, SampleBuffers, copy_overlap
+from wavesplat._model.lazy.array import LazyArray
+from wavesplat._model.lazy.read_ahead import (
+    FOR_UNPACKING,
+    Box,
+    BoxReader,
+    Pending,
+    ReadCounts,
+    SampleBuffers,
+    copy_overlap,
+)
+from wavesplat._system.memory import byte_size, trim_heap
 from wavesplat.errors import CancelledError, LimitError
 
 #: Share of a budget that is for the samples of two steps; the rest is for bounds, what is being unpacked, and what the

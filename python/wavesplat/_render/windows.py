@@ -13,17 +13,16 @@ from difflib import get_close_matches
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from wavesplat._files.values import numbers
-from wavesplat._looks.histogram import robust_range
+from wavesplat._looks.curves.value_scale import End, are_percentiles, values_of
+from wavesplat._looks.kinds.histogram import robust_range
 from wavesplat._looks.presets import added_to_hounsfield, plain
-from wavesplat._looks.window_ends import End, are_percentiles, values_of
+from wavesplat._system.values import numbers
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._model.volume import Volume
-    from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._model.volume.volume import Volume
+    from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
-__all__ = ["CT_WINDOWS", "limits"]
 
 #: Level and width, Hounsfield units.
 CT_WINDOWS = {

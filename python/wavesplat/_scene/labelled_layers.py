@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from wavesplat._looks.channel_colors import CHANNEL_COLORS, distinct_colors, usual_color
+from wavesplat._looks.kinds.channel_colors import CHANNEL_COLORS, distinct_colors, usual_color
 from wavesplat._looks.look import Look
-from wavesplat._model.facts import Channel
-from wavesplat._model.labelled_array import channel_and_time_axes, is_labelled
-from wavesplat._model.series import Series
-from wavesplat._model.volume import Volume
+from wavesplat._model.interchange.labelled_array import channel_and_time_axes, is_labelled
+from wavesplat._model.volume.facts import Channel
+from wavesplat._model.volume.series import Series
+from wavesplat._model.volume.volume import Volume
 from wavesplat._scene.layer import Layer
 from wavesplat.errors import ArgumentError
 

@@ -8,23 +8,21 @@ from dataclasses import KW_ONLY, dataclass, replace
 from operator import index
 from typing import Any, TypeAlias
 
-from wavesplat._files.values import share
-from wavesplat._looks import overlays
+from wavesplat._looks.curves.materials import Materials
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.kinds import overlays
 from wavesplat._looks.layer_names import FoundName, layer_name_of
 from wavesplat._looks.look import Look
-from wavesplat._looks.materials import Materials
 from wavesplat._looks.over_time import brightest
-from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import check_text, described, takes_its_types, text_of
-from wavesplat._model.series import Series
-from wavesplat._model.volume import Volume
-from wavesplat._model.volume_like import as_volume
-from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._model.arguments.types import check_text, takes_its_types, text_of
+from wavesplat._model.volume.series import Series
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.volume_like import as_volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._public import public
+from wavesplat._system.values import described, share
 from wavesplat.errors import ArgumentError
-
-__all__ = ["AnyLook", "Layer", "drawable"]
 
 AnyLook: TypeAlias = Look | TransferFunction | TransferFunction2D | Materials | str | None
 

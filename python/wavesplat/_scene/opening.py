@@ -8,25 +8,24 @@ from operator import index
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-from wavesplat._files.addresses import safe_address
-from wavesplat._files.notes import warn
-from wavesplat._looks.channel_colors import color_of, distinct_colors
-from wavesplat._looks.channels import Rgb
-from wavesplat._looks.colors import parse
+from wavesplat._looks.curves.colors import parse
+from wavesplat._looks.kinds.channel_colors import color_of, distinct_colors
 from wavesplat._looks.look import Look
 from wavesplat._looks.over_time import brightest
-from wavesplat._model.argument_types import described, takes_its_types
-from wavesplat._model.facts import Channel
-from wavesplat._model.option_lists import takes_options
-from wavesplat._model.options import Composite
-from wavesplat._model.series import Series
-from wavesplat._model.volume import Volume
+from wavesplat._model.arguments.sampling import Composite
+from wavesplat._model.arguments.types import takes_its_types, takes_options
+from wavesplat._model.volume.facts import Channel, Rgb
+from wavesplat._model.volume.series import Series
+from wavesplat._model.volume.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.options import FileOptions
 from wavesplat._readers.request import Request, SeveralError
 from wavesplat._readers.time_points import open_series
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import MAX_LAYERS, Scene
+from wavesplat._storage.addresses import safe_address
+from wavesplat._system.threads import warn
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:

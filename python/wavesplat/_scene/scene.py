@@ -12,26 +12,26 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files import json_object
-from wavesplat._files.paths import expanded
 from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.shape_arrays import as_shapes, is_geometry
-from wavesplat._looks import colors
-from wavesplat._looks.labels import Labels
+from wavesplat._looks.curves import colors
+from wavesplat._looks.labels.labels import Labels
 from wavesplat._looks.layer_names import FoundName, distinct_names, layer_name_of
 from wavesplat._looks.shading import Shading
-from wavesplat._model.argument_types import described, takes_its_types
-from wavesplat._model.camera import Camera
-from wavesplat._model.clips import Clip, Clipping, clip_tuple, combined_clips
-from wavesplat._model.convert_from import is_rows
-from wavesplat._model.option_lists import takes_options
-from wavesplat._model.series import Series
-from wavesplat._model.sources import beside, warn_of_elsewhere
+from wavesplat._model.arguments.clips import Clip, Clipping, clip_tuple, combined_clips
+from wavesplat._model.arguments.types import takes_its_types, takes_options
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.interchange.convert_from import is_rows
+from wavesplat._model.volume.series import Series
+from wavesplat._model.volume.sources import beside, warn_of_elsewhere
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._render.options import DrawOptions, RenderOptions
 from wavesplat._scene.labelled_layers import labelled_layers
 from wavesplat._scene.layer import AnyLook, Layer
+from wavesplat._storage import json_texts
+from wavesplat._storage.paths import expanded
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -257,7 +257,7 @@ class Scene:
         >>> ws.Scene.from_json(scene.to_json()).background
         'black'
         """
-        from wavesplat._scene import scene_json
+        from wavesplat._scene.documents import scene_json
 
         return scene_json.write(scene_json.document_of(self))
 
@@ -283,7 +283,7 @@ class Scene:
         FileError
             If a volume cannot be opened, or may not.
         """
-        from wavesplat._scene import scene_json
+        from wavesplat._scene.documents import scene_json
 
         place = None if folder is None else expanded(folder).absolute()
         return scene_json.parse(text, place, external_files=external_files).scene
@@ -318,7 +318,7 @@ class Scene:
         >>> [layer.name for layer in ws.open_scene("cells.ome.tif").layers]
         ['DAPI', 'GFP']
         """
-        from wavesplat._scene import scene_volumes
+        from wavesplat._scene.documents import scene_files as scene_volumes
 
         scene_volumes.save(self.layers, path, downsampling)
 
@@ -345,10 +345,10 @@ class Scene:
         >>> ws.Scene.load("bones.json").layers[0].look
         'ct-bone'
         """
-        from wavesplat._scene import scene_json
+        from wavesplat._scene.documents import scene_json
 
         document = beside(scene_json.document_of(self), expanded(path).absolute().parent)
-        json_object.save(path, scene_json.write(document))
+        json_texts.save(path, scene_json.write(document))
         warn_of_elsewhere(document, path, stacklevel=3)
 
     @classmethod
@@ -371,7 +371,7 @@ class Scene:
         ArgumentError
             If there is no scene in it; the message names the field.
         """
-        from wavesplat._scene import scene_files
+        from wavesplat._scene.documents import scene_files
 
         return scene_files.load(path, external_files=external_files).scene
 
@@ -417,7 +417,7 @@ class Scene:
         >>> frames[0].report["expected_psnr_spread_db"] < frames[1].report["expected_psnr_spread_db"]
         True
         """
-        from wavesplat._scene.drawing import draw
+        from wavesplat._scene.drawing.drawing import draw
 
         return draw(self, camera, DrawOptions(**options))
 

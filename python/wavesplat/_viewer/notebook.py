@@ -11,13 +11,13 @@ import threading
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from wavesplat._files.libraries import library
-from wavesplat._viewer import encoding
-from wavesplat._viewer.client_files import widget_source
-from wavesplat._viewer.framing import PROTOCOL
-from wavesplat._viewer.opening import Opener
-from wavesplat._viewer.picturing import picture_of
-from wavesplat._viewer.session import Client, Session
+from wavesplat._system.libraries import library
+from wavesplat._viewer.opening.opening import Opener
+from wavesplat._viewer.server import messages
+from wavesplat._viewer.server.client_files import widget_source
+from wavesplat._viewer.server.messages import PROTOCOL
+from wavesplat._viewer.session.picturing import picture_of
+from wavesplat._viewer.session.session import Client, Session
 from wavesplat.errors import WavesplatError
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def bundle_of(viewer: Viewer, **options: Any) -> Any:
         viewer._widget = widget_of(viewer._session, viewer._opener)
     found = viewer._widget._repr_mimebundle_(**options)
     data, metadata = found if isinstance(found, tuple) else (found, {})
-    still = encoding.png_bytes(picture_of(viewer._session.state, "3d", STILL_SIZE).rgba)
+    still = messages.png_bytes(picture_of(viewer._session.state, "3d", STILL_SIZE).rgba)
     return {**data, "text/plain": repr(viewer), "image/png": base64.b64encode(still).decode()}, metadata
 
 

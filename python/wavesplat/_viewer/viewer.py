@@ -10,25 +10,27 @@ from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
-from wavesplat._files import json_object, json_text
-from wavesplat._files.paths import expanded
-from wavesplat._looks.labels import Labels
+from wavesplat._looks.labels.labels import Labels
 from wavesplat._looks.shading import Shading
-from wavesplat._model.argument_types import described, takes_its_types
-from wavesplat._model.camera import Camera
-from wavesplat._model.clips import Clip
-from wavesplat._model.composites import Operator
-from wavesplat._model.options import Kernel, Quality
-from wavesplat._model.sources import beside, warn_of_elsewhere
+from wavesplat._model.arguments.clips import Clip
+from wavesplat._model.arguments.operators import Operator
+from wavesplat._model.arguments.sampling import Kernel, Quality
+from wavesplat._model.arguments.types import takes_its_types
+from wavesplat._model.camera.camera import Camera
+from wavesplat._model.volume.sources import beside, warn_of_elsewhere
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
-from wavesplat._scene import scene_json
+from wavesplat._scene.documents import scene_json
 from wavesplat._scene.scene import Scene, as_scene
-from wavesplat._viewer import export_html
-from wavesplat._viewer.opening import Opener
-from wavesplat._viewer.seen import Shown, check_shown, seen
-from wavesplat._viewer.session import Session
-from wavesplat._viewer.state import ViewerState
+from wavesplat._storage import json_texts
+from wavesplat._storage import json_texts as json_text
+from wavesplat._storage.paths import expanded
+from wavesplat._system.values import described
+from wavesplat._viewer.answers import export_html
+from wavesplat._viewer.answers.seen import Shown, check_shown, seen
+from wavesplat._viewer.opening.opening import Opener
+from wavesplat._viewer.session.session import Session
+from wavesplat._viewer.session.state import ViewerState
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -73,7 +75,7 @@ class Viewer:
         self._widget: Any = None
         self._finalizer: Any = weakref.finalize(self, _close_all, self._opener, session)
         if port is not None:
-            from wavesplat._viewer.server import Server
+            from wavesplat._viewer.server.server import Server
 
             self._serve(Server(port))
 
@@ -220,10 +222,10 @@ class Viewer:
         suffix = expanded(path).suffix.lower()
         if suffix == ".json":
             document = beside(self._session.state.file_document(size), expanded(path).absolute().parent)
-            json_object.save(path, scene_json.write(document))
+            json_texts.save(path, scene_json.write(document))
             warn_of_elsewhere(document, path, stacklevel=2)
         elif suffix == ".html":
-            json_object.save(path, export_html.page_of(self._session.state, self.picture(size)))
+            json_texts.save(path, export_html.page_of(self._session.state, self.picture(size)))
         else:
             self.picture(size, shown=shown, marks=marks).save(path)
 
@@ -331,7 +333,7 @@ def view(
     is_whole = state is not None and "layers" in state
     first = ViewerState.of(scene, camera, options, state.get("view") if is_whole and state else state)
     if is_whole:
-        from wavesplat._viewer.questions import state_from_text
+        from wavesplat._viewer.answers.questions import state_from_text
 
         first = state_from_text(first, json.dumps(state)).begun()
     in_notebook = browser is None and is_notebook()

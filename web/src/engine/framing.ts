@@ -1,5 +1,5 @@
 // Messages as bytes: the length of the header (u32, little-endian), the header (JSON), payload.
-// `python/wavesplat/_viewer/framing.py` is the twin.
+// `python/wavesplat/_viewer/server/messages.py` is the twin.
 
 export type Header = Readonly<Record<string, unknown>>;
 export type Payload = Uint8Array<ArrayBuffer>;

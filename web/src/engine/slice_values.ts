@@ -1,4 +1,4 @@
-// The values of a slice as the session sends them; `python/wavesplat/_viewer/slice_values.py` is the twin, and says how.
+// The values of a slice as the session sends them; `python/wavesplat/_viewer/slices/slice_values.py` is the twin, and says how.
 
 /** A node of a colour curve: value, red, green, blue; colours 0..1. */
 export type ColorNode = readonly [number, number, number, number];

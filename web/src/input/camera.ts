@@ -1,5 +1,5 @@
 // The camera in the page: turning, panning, zooming, projecting. World units; pixels of CSS, from the top left.
-// Same conventions as `python/wavesplat/_model/camera.py`: `parallel_scale` is half the height of the picture.
+// Same conventions as `python/wavesplat/_model/camera/camera.py`: `parallel_scale` is half the height of the picture.
 
 import type { Camera, Vec3 } from "../state/state.ts";
 import type { CssSize } from "../view/part.ts";

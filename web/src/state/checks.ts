@@ -6,7 +6,7 @@ export function refuse(value: unknown, where: string, must: string): never {
   throw new Error(`${where} is ${(JSON.stringify(value) ?? "missing").slice(0, 60)}; it must be ${must}`);
 }
 
-/** The largest number of a scene, as in `_files/json_text.py`. */
+/** The largest number of a scene, as in `_storage/json_texts.py`. */
 const LARGEST = 1e30;
 
 export const number =

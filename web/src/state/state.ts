@@ -1,5 +1,5 @@
 // The state of the viewer: one JSON document, a scene as `wavesplat.Scene.save` writes it with one field more, `view`.
-// `python/wavesplat/_viewer/state.py` is the twin of `parse.ts`; both agree on the fixtures in `web/schema`.
+// `python/wavesplat/_viewer/session/state.py` is the twin of `parse.ts`; both agree on the fixtures in `web/schema`.
 
 export type Vec3 = readonly [number, number, number];
 export type Color = string | readonly number[];

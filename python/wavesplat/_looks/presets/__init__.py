@@ -15,18 +15,19 @@ from importlib.resources import files
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from wavesplat._files import json_object
-from wavesplat._files.notes import warn
-from wavesplat._looks import look_json, slicer_files
-from wavesplat._looks.brain import brain_of
-from wavesplat._looks.histogram import is_hounsfield
-from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
+from wavesplat._looks import look_files
+from wavesplat._looks.body.brain import brain_of
+from wavesplat._looks.interchange import slicer_files
+from wavesplat._looks.kinds.histogram import is_hounsfield
+from wavesplat._looks.kinds.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.look import Look
+from wavesplat._storage import json_texts
+from wavesplat._system.threads import warn
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._model.volume import Volume
-    from wavesplat._model.wavelet_volume import WaveletVolume
+    from wavesplat._model.volume.volume import Volume
+    from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
 #: Kinds of data that presets are for, in the order of lists, and their titles.
 GROUPS = {
@@ -79,7 +80,7 @@ class Preset:
 @cache
 def catalogue() -> dict[str, Preset]:
     """All presets but `auto`, by name, in groups; names within a group are in alphabetical order."""
-    found = [_read(name) for name in json_object.names_in(files(__name__))]
+    found = [_read(name) for name in json_texts.names_in(files(__name__))]
     found.sort(key=lambda preset: (list(GROUPS).index(preset.kind), preset.name))
     ours = {plain(preset.name) for preset in found}
     for one in slicer_files.built_in():
@@ -170,9 +171,9 @@ def plain(name: str) -> str:
 
 def _read(name: str) -> Preset:
     text = (files(__name__) / f"{name}.json").read_text(encoding="utf-8")
-    document = json_object.parse(text, "preset", "transfer_function")
+    document = json_texts.parse(text, "preset", "transfer_function")
     is_hounsfield = document["transfer_function"].get("values") == "hounsfield"
-    build = partial(look_json.build, document)
+    build = partial(look_files.build, document)
     return Preset(name, document["kind"], document["description"], is_hounsfield, build, document.get("part"))
 
 

@@ -11,7 +11,7 @@ export interface Coloring {
   readonly opacities: readonly number[];
 }
 
-/** Opacity of a label's inside, as a share of its outline's. Twin of `FILL` in `_scene/label_slices.py`. */
+/** Opacity of a label's inside, as a share of its outline's. Twin of `FILL` in `_scene/slices/layers_on_slices.py`. */
 const FILL = 0.4;
 
 /** Colours by code: red, green, blue, 0..255, and opacity, 0..1, in rows of four. */

@@ -1,0 +1,156 @@
+"""Links and commands are short: looks by the name of a preset or a colour map, options where they say the same."""
+
+import json
+import shlex
+import subprocess
+import sys
+import zlib
+
+import numpy as np
+import pytest
+import viewer_fakes
+from PIL import Image
+
+import wavesplat as ws
+from wavesplat._scene.documents import scene_json
+from wavesplat._viewer.answers import code, questions
+from wavesplat._viewer.answers.code import short_document, short_look
+from wavesplat._viewer.session.picturing import picture_of
+from wavesplat._viewer.session.state import ViewerState
+from wavesplat.errors import ArgumentError
+
+SIZE = (96, 72)
+
+
+def turned(state):
+    camera = state.camera.turned(azimuth=33.3, elevation=7)
+    return state.patched([{"op": "replace", "path": "/camera", "value": camera.as_json()}])
+
+
+def link_of(state):
+    return questions.answer_of(state, "code", {"as": "link", "width": 1, "height": 1})[0]["text"]
+
+
+@pytest.fixture
+def scans(tmp_path, monkeypatch):
+    """A CT with a PET over it, as files in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    scan = ws.examples.ct_pelvis()
+    scan.save(tmp_path / "ct.nrrd")
+    places = np.indices(scan.shape) - np.array(scan.shape).reshape(3, 1, 1, 1) / 2
+    uptake = 10 * np.exp(-(places**2).sum(axis=0) / 150)
+    pet = ws.Volume(uptake.astype("float32"), world_from_index=scan.world_from_index, anatomical=True)
+    pet.save(tmp_path / "pet.nrrd")
+    return tmp_path
+
+
+def with_pet(look="ct-bone", window=(2, 8)):
+    pet = ws.Layer.overlay(ws.open("pet.nrrd"), "hot", window)
+    return turned(ViewerState.of(ws.Scene([ws.Layer(ws.open("ct.nrrd"), look), pet])))
+
+
+@pytest.mark.parametrize(("look", "window"), [("ct-bone", (2, 8)), ("auto", (2.5, 8)), ("ct-bone", None)])
+def test_ct_and_pet_have_a_short_command_that_draws_the_same_pixels(scans, look, window):
+    state = with_pet(look, window)
+    command = code.command_of(state, SIZE)
+    assert len(command.replace(f"{scans}/", "")) < 400
+    assert command.startswith("wavesplat render ")
+    text = command.replace("wavesplat ", f"{shlex.quote(sys.executable)} -m wavesplat ", 1)
+    done = subprocess.run(["sh", "-c", text], cwd=scans, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    drawn = np.asarray(Image.open(scans / "CT.png").convert("RGBA"))
+    assert np.array_equal(drawn, np.asarray(picture_of(state, "3d", SIZE)))
+
+
+def test_ct_and_pet_have_a_short_link_that_gives_the_state_again(scans):
+    state = with_pet()
+    text = link_of(state)
+    assert len(zlib.compress(text.encode())) * 4 / 3 < 4000
+    assert str(scans) not in text
+    back = questions.state_from_text(state, json.dumps(json.loads(text)["state"]))
+    assert back.document == state.document
+
+
+@pytest.mark.parametrize(
+    "operation",
+    [
+        {"op": "replace", "path": "/layers/0/opacity", "value": 0.5},
+        {"op": "replace", "path": "/layers/0/look/shading/ambient", "value": 0.4},
+        {"op": "replace", "path": "/layers/1/look/transfer_function/opacity/0/1", "value": 0.1},
+        {"op": "add", "path": "/clip/-", "value": {"plane": {"point": [0, 150, 250], "normal": [0, 1, 0]}}},
+        {"op": "replace", "path": "/layers/1/name", "value": "uptake"},
+        {"op": "replace", "path": "/background", "value": [0.1, 0.2, 0.3]},
+    ],
+    ids=lambda operation: operation["path"],
+)
+def test_what_options_do_not_say_goes_into_a_document(scans, operation):
+    state = with_pet().patched([operation])
+    command = code.command_of(state, SIZE)
+    assert " --from - " in command
+    document = scene_json.parse(command[command.index("{") : command.rindex("END")], scans)
+    drawn = document.scene.render(document.camera, **document.options)
+    assert np.array_equal(np.asarray(drawn), np.asarray(picture_of(state, "3d", SIZE)))
+    back = questions.state_from_text(with_pet(), json.dumps(json.loads(link_of(state))["state"]))
+    assert back.document == state.document
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "option"),
+    [
+        ("/background", "#203040", "--background '#203040'"),
+        ("/render/quality", "draft", "--quality draft"),
+        ("/render/kernel", "bspline2", "--kernel bspline2"),
+        ("/render/composite", "maximum", "--composite maximum"),
+    ],
+)
+def test_settings_that_differ_are_options(scans, path, value, option):
+    state = with_pet().patched([{"op": "replace", "path": path, "value": value}])
+    command = code.command_of(state, SIZE)
+    assert option in command
+    text = command.replace("wavesplat ", f"{shlex.quote(sys.executable)} -m wavesplat ", 1)
+    assert subprocess.run(["sh", "-c", text], cwd=scans, capture_output=True, check=False).returncode == 0
+    drawn = np.asarray(Image.open(scans / "CT.png").convert("RGBA"))
+    assert np.array_equal(drawn, np.asarray(picture_of(state, "3d", SIZE)))
+
+
+@pytest.mark.parametrize("name", ["it's", "a:b", "a b"])
+def test_names_of_files_that_options_could_mistake_are_quoted_or_left_to_the_document(scans, name):
+    (scans / "pet.nrrd").rename(scans / f"{name}.nrrd")
+    pet = ws.Layer.overlay(ws.open(scans / f"{name}.nrrd"), "hot", (2, 8))
+    state = ViewerState.of(ws.Scene([ws.Layer(ws.open("ct.nrrd"), "ct-bone"), pet]))
+    command = code.command_of(state, SIZE)
+    assert ("--from" in command) == (":" in name)
+    text = command.replace("wavesplat ", f"{shlex.quote(sys.executable)} -m wavesplat ", 1)
+    done = subprocess.run(["sh", "-c", text], cwd=scans, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    drawn = np.asarray(Image.open(scans / "CT.png").convert("RGBA"))
+    assert np.array_equal(drawn, np.asarray(picture_of(state, "3d", SIZE)))
+
+
+def test_short_forms_name_maps_and_presets():
+    volume = viewer_fakes.ball()
+    scene = ws.Scene([ws.Layer(volume, "grey"), ws.Layer.overlay(volume, "viridis", (20, 200))])
+    state = ViewerState.of(scene)
+    assert short_look(state, 1) == {"map": "viridis", "window": [20.0, 200.0]}
+    assert short_document(state, state.document)["layers"][1] == {
+        "volume": {"path": None, "name": "ball", "id": 1},
+        "look": {"map": "viridis", "window": [20.0, 200.0]},
+    }
+
+
+@pytest.mark.parametrize(
+    ("look", "told"),
+    [
+        ({"map": 3}, "field 'map' is 3"),
+        ({"map": "no-such-map"}, "no-such-map"),
+        ({"map": "hot", "window": 3}, "field 'window' is 3"),
+        ({"map": "hot", "window": [8, 2]}, "8"),
+        ({"map": "hot", "clim": [2, 8]}, "clim"),
+    ],
+)
+def test_maps_that_are_none_are_refused(look, told):
+    state = ViewerState.of(ws.Scene(viewer_fakes.ball()))
+    document = short_document(state, state.document)
+    document["layers"][0]["look"] = look
+    with pytest.raises(ArgumentError, match=told):
+        questions.state_from_text(state, json.dumps(document))

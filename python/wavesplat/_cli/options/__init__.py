@@ -1,0 +1,1 @@
+"""Options of the command line, declared once, and what they make."""

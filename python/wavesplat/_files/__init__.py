@@ -1,1 +1,0 @@
-"""Files of any kind: paths, addresses, stores, JSON texts, and checks before memory is allocated."""

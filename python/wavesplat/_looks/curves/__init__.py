@@ -1,0 +1,1 @@
+"""Curves and colours: transfer functions, colour maps, materials, and the scales of their values."""

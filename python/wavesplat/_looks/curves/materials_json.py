@@ -1,0 +1,67 @@
+"""Materials as JSON: one object, with a version, whose errors name the field; and the presets, one such file each.
+
+{"version": 1, "opacity_unit": 1.0,
+ "materials": [{"name": "bone", "probability": [[150, 0], [300, 1]],
+                "color": [1, 0.95, 0.85], "opacity": 0.4, "density": 3}]}
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from importlib.resources import files
+from os import PathLike
+from typing import Any
+
+from wavesplat._looks.curves.materials import Material, Materials
+from wavesplat._storage import json_texts
+from wavesplat.errors import ArgumentError
+
+WHAT = "materials"
+FIELDS = {"version", "name", "description", "sources", "opacity_unit", "materials"}
+NEEDED_OF_EACH = ("name", "probability", "color", "opacity")
+FIELDS_OF_EACH = {*NEEDED_OF_EACH, "density"}
+HINT = "Materials.to_json"
+PRESETS = files("wavesplat._looks.presets") / "materials"
+
+
+def write(materials: Materials) -> str:
+    """JSON text of materials; numbers read back exactly."""
+    listed = [asdict(material) for material in materials.materials]
+    return json_texts.write({"opacity_unit": materials.opacity_unit, "materials": listed})
+
+
+def load(path: str | PathLike[str]) -> Materials:
+    """The materials in a file."""
+    return json_texts.load(path, WHAT, parse)
+
+
+def parse(text: str) -> Materials:
+    """The materials in a JSON text."""
+    document = json_texts.parse(text, WHAT, "materials")
+    json_texts.check_fields(document, WHAT, needed=("version", "materials"), known=FIELDS, hint=HINT)
+    json_texts.check_list(document, WHAT, "materials", "[{...}, ...]")
+    unit = json_texts.optional_number(document, WHAT, "opacity_unit")
+    return Materials((_material(entry, number) for number, entry in enumerate(document["materials"])), unit)
+
+
+def preset(name: str) -> Materials:
+    """See `Materials.preset`."""
+    if name not in preset_names():
+        raise ArgumentError(f"unknown preset of materials {name!r}; use one of: {', '.join(preset_names())}")
+    return parse((PRESETS / f"{name}.json").read_text(encoding="utf-8"))
+
+
+def preset_names() -> list[str]:
+    """Names of all presets, in alphabetical order."""
+    return json_texts.names_in(PRESETS)
+
+
+def _material(entry: Any, number: int) -> Material:
+    what = f"materials: field 'materials', number {number}"
+    if not isinstance(entry, dict):
+        raise ArgumentError(f"{what}: {entry!r} is not an object; write {{...}} with {', '.join(NEEDED_OF_EACH)}")
+    json_texts.check_fields(entry, what, needed=NEEDED_OF_EACH, known=FIELDS_OF_EACH, hint=HINT)
+    try:
+        return Material(**entry)
+    except ArgumentError as error:
+        raise ArgumentError(f"{what}: {error}") from None

@@ -1,0 +1,1 @@
+"""Looks of other programs: 3D Slicer, ParaView and VTK."""

@@ -1,0 +1,560 @@
+"""The automatic look of a volume, by the kind of data (`kinds.py`) and its histogram (`histogram.py`).
+
+Homogeneous matter, and noise, must not cover what lies behind. Where nothing is known but the values, opacities
+follow Kindlmann and Durkin (1998): high at the values that boundaries between two materials pass through, where
+gradients are largest, and low at the values of the materials themselves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks.curves.colormaps import colors_of
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.kinds import histogram
+from wavesplat._looks.kinds.channel_colors import color_of
+from wavesplat._looks.kinds.channels import (
+    LUMINANCE,
+    channel_window,
+    clear_of_values,
+    lightened,
+    ramp,
+    window_of_values,
+)
+from wavesplat._looks.kinds.field_curves import (
+    Curves,
+    Part,
+    of_field,
+    of_signed_field,
+    opacity_of_voxel,
+    opaque_after,
+    rising,
+)
+from wavesplat._looks.kinds.histogram import otsu, otsu_of_scan, robust_range_of, without_padding
+from wavesplat._looks.kinds.kinds import FAR, Evidence, Kind, evidence, kind_of, offset_of
+from wavesplat._looks.kinds.looked_at import subsampled
+from wavesplat._looks.kinds.measured_maps import SIGNIFICANT
+from wavesplat._looks.labels import label_names
+from wavesplat._looks.labels.labels import Labels
+from wavesplat._looks.look import Look
+from wavesplat._looks.shading import Shading
+from wavesplat._model.arguments.sampling import BY_VIEW
+from wavesplat._model.lazy.volume import LazyVolume
+from wavesplat._model.volume import units
+from wavesplat._model.volume.facts import Rgb
+from wavesplat._model.volume.grid import axis_of_distant_slices, axis_of_few_slices, is_thin
+from wavesplat._model.volume.units import METRES
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._model.arguments.sampling import Composite
+
+# Blocks: volumes whose matter goes up to their faces, such as crops and small fields of view.
+#
+# Only the six outermost slices of an opaque block can be seen. Matter that goes up to a face is opaque there, so a
+# block is recognised by the share of its faces that is not clear. (`studies/looks`; mean of the six faces. Whole
+# bodies, heads and things: 0 to 0.16; crops to 0.3 and 0.5 of the sides of heads, brains and pelves: 0.52 to 0.91; a
+# knee of 10 slices: 0.47.)
+
+#: Minimum mean share of the faces that is not clear, and the opacity above which a voxel is not clear.
+MIN_FACES, MIN_OPACITY = 0.4, 0.02
+#: Samples of a face that are looked at, about.
+FACE_SAMPLES = 4096
+
+
+def is_block(volume: Volume | WaveletVolume, function: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> bool:
+    """Whether a volume looks like a block under a transfer function, which maps values to RGBA."""
+    samples = subsampled(volume)
+    faces = [_some_of(samples.take(end, axis)) for axis in range(3) for end in (0, -1)]
+    seen = [np.isfinite(face) & (function(np.nan_to_num(face))[:, 3] > MIN_OPACITY) for face in faces]
+    return bool(np.mean([face.mean() for face in seen]) >= MIN_FACES)
+
+
+def _some_of(face: NDArray[Any]) -> NDArray[np.float64]:
+    """Some thousand samples of a face: the standard error of a share is then below 0.01."""
+    step = max(1, int((face.size / FACE_SAMPLES) ** 0.5))
+    return face[::step, ::step].ravel().astype(np.float64)
+
+
+# The automatic look of a volume, by the kind of data (`kinds.py`) and its histogram (`histogram.py`).
+
+#: Kinds whose look has a map of colours over a scale.
+COLORED: tuple[Kind, ...] = ("field", "signed field")
+#: Light for solid things: ambient occlusion lets depth be seen.
+SOLID = Shading(ambient_occlusion=0.3)
+#: Light for translucent things: a highlight on every faint boundary would be noise.
+SOFT = Shading(specular=0.1)
+
+#: Values in Hounsfield units, opacity of a millimetre: soft tissue is a veil, vessels with contrast agent and bone are
+#: solid.
+CT_OPACITY = [(-160, 0.0), (-90, 0.001), (20, 0.004), (80, 0.008), (130, 0.03), (180, 0.2), (280, 0.6), (900, 0.95)]
+CT_COLOR = [
+    (-160, 1.0, 0.9, 0.74),
+    (-20, 1.0, 0.82, 0.66),
+    (60, 1.0, 0.62, 0.5),
+    (130, 0.98, 0.55, 0.42),
+    (200, 1.0, 0.84, 0.68),
+    (320, 1.0, 0.95, 0.85),
+    (900, 1.0, 1.0, 0.97),
+]
+#: Colours from faint to bright: tissue is warm, as is expected; other scans go from blue to ivory.
+TISSUE = [(0.62, 0.30, 0.24), (0.90, 0.58, 0.44), (1.00, 0.84, 0.68), (1.00, 0.99, 0.95)]
+MATTER = [(0.20, 0.42, 0.68), (0.36, 0.68, 0.74), (0.93, 0.83, 0.58), (1.00, 0.96, 0.88)]
+#: Colour of fluorescence whose file has none: green, as GFP has it, white where it is brightest.
+GREEN = (0.35, 1.0, 0.45)
+#: Largest luminance of the full colour of fluorescence, so that white and yellow have room for what is brighter.
+MAX_LUMINANCE = 0.75
+#: White of a maximum projection of fluorescence, at most so many widths of the window of the samples above its low end.
+MAX_WHITE = 2.0
+#: Kinds of data that are shown in greys where there are but a few slices: their looks are translucent, millimetre by
+#: millimetre.
+IN_GREYS = ("CT", "MR", "ultrasound", "scan")
+#: Kinds of data that are cut open where matter fills the volume up to its faces.
+BLOCKS = ("MR", "scan")
+#: Hounsfield units in the black of a maximum: every ray through a body meets soft tissue, so that what is below shows
+#: nothing but the table, and takes half of the greys from vessels and bone.
+CT_MAXIMUM_BLACK = -100.0
+#: Hounsfield units in black and in white: level 40, width 400, the usual window of soft tissue.
+CT_WINDOW = (-160.0, 240.0)
+MASK = (0.98, 0.80, 0.56)
+#: The map of `cmap` that fields are shown in, and where it begins: its dark end cannot be seen on black.
+FIELD_MAP, FIELD_START = "inferno", 0.4
+#: Places, 0..1, and colours of values below and above zero: strong at the ends, none paler than is seen on white or
+#: darker than is seen on black.
+SIGNS = [
+    (0.00, 0.20, 0.48, 1.00),
+    (0.35, 0.46, 0.67, 0.95),
+    (0.50, 0.70, 0.70, 0.70),
+    (0.65, 0.95, 0.63, 0.46),
+    (1.00, 1.00, 0.34, 0.20),
+]
+#: The map of `cmap` that doses are shown in, blue to red as in programs for radiotherapy, and the least share of the
+#: largest dose that shows.
+DOSE_MAP, MIN_DOSE = "turbo", 0.1
+#: The map of `cmap` that shares are shown in. Fractional anisotropy that is clear and that is opaque: grey matter and
+#: fluid have less than the first, and single fibre bundles reach the second.
+SHARE_MAP, FA_ENDS = "hot", (0.2, 0.9)
+#: Percentile of the pixels of air in a PET that is still white, and the largest share of the greys that white has.
+AIR_PERCENT, MAX_AIR = 99.5, 0.02
+#: Largest share of finite samples in the box for which they are taken for an object surrounded by missing samples, and
+#: the opacity of a ray through such an object at its common values.
+MAX_OBJECT, VEIL = 0.9, 0.4
+#: Percentiles of the values above 0 of a calculated map that are clear and opaque: fits leave a few far off.
+MAP_ENDS = (0.1, 99.5)
+
+
+def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color: Rgb | None = None) -> Look:
+    """See `Look.auto`; `color` is that of fluorescence, instead of the channel's own."""
+    low, high = volume.value_range
+    # Uniform matter projects to lengths, which depend on the view, so greys can still be found for it.
+    if not low < high and composite not in BY_VIEW and not (volume.n_nonfinite and composite in (None, "over")):
+        raise ArgumentError(
+            f"volume {volume.name!r}: every sample is {low:g}, so the histogram shows nothing to tell apart; "
+            "pass a transfer function, or check the file"
+        )
+    if isinstance(volume, WaveletVolume) and volume.is_detail and composite in (None, "over"):
+        function = histogram.signed(volume)
+        return Look(transfer_function=function, name="auto", reason="details of wavelets: values with two signs")
+    if not math.isfinite(high - low):
+        raise ArgumentError(
+            f"volume {volume.name!r} has samples from {low:g} to {high:g}, too far apart for float64; divide them"
+        )
+    known = evidence(volume)
+    if composite is None and known.kind == "PET":
+        return _inverted_maximum(volume, known)
+    if composite is None and known.has_few_bright:
+        return _maximum_of_few(volume, known)
+    if composite in histogram.PROJECTIONS:
+        function = _greys_of_projection(volume, known, composite)
+        return Look(transfer_function=function, composite=composite, shading=None, name="auto", reason=known.reason)
+    if composite in (None, "over") and (labels := labels_alone(volume, known.kind)) is not None:
+        clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
+        return Look(transfer_function=clear, labels=labels, shading=SOLID, name="auto", reason=known.reason)
+    if composite is None and known.kind in IN_GREYS and axis_of_few_slices(volume) is not None:
+        n = min(volume.shape)
+        reason = f"{known.reason}; its {n} slices in greys, since so few are too thin for a translucent look"
+        return Look(transfer_function=_greys(known, is_clear_below=True), shading=None, name="auto", reason=reason)
+    made_by = LOOKS[known.kind]
+    function, shading = made_by(volume, known, color) if made_by is _fluorescence else made_by(volume, known)
+    if composite is None and known.kind in BLOCKS and is_block(volume, function):
+        return _cut_open(volume, known)
+    return Look(
+        transfer_function=function,
+        shading=shading,
+        composite=composite or "over",
+        name="auto",
+        reason=known.reason,
+    )
+
+
+def labels_alone(volume: Volume | WaveletVolume, kind: Kind) -> Labels | None:
+    """The labels of a segmentation, or of a mask that its file names, with the file's names and colours; else None.
+
+    Labels lie in memory: of a segmentation that does not fit there are none.
+    """
+    if kind not in ("labels", "mask") or not isinstance(volume, Volume) or volume.dtype.kind not in "iuf":
+        return None
+    named = label_names.of_volume(volume)
+    if (kind == "mask" and not named) or (isinstance(volume, LazyVolume) and not volume.fits_in_budget):
+        return None
+    try:
+        labels = Labels(volume.read() if isinstance(volume, LazyVolume) else volume)
+    except ArgumentError:  # fractions, or far too many numbers, between the samples that were looked at
+        return None
+    return labels._with_names(named)
+
+
+def _greys_of_projection(volume: Volume | WaveletVolume, known: Evidence, composite: Composite) -> TransferFunction:
+    function = histogram.projected(volume, composite)
+    if composite not in histogram.MAXIMA:
+        return function
+    if known.kind == "fluorescence" or (known.kind == "scan" and not volume.is_anatomical):
+        # A few specks may be many times as bright as all else, and have many pixels.
+        low, high = window_of_values(without_padding(subsampled(volume)))
+        function = histogram.not_beyond(function, low + MAX_WHITE * (high - low))
+    if known.kind == "CT":
+        function = histogram.not_before(function, CT_MAXIMUM_BLACK + offset_of(volume))
+    return function
+
+
+def are_colored(volume: Volume | WaveletVolume, composite: Composite | None) -> bool:
+    """Whether the automatic look of a volume has a map of colours, which another one can take the place of."""
+    is_detail = isinstance(volume, WaveletVolume) and volume.is_detail
+    return composite in (None, "over") and not is_detail and kind_of(volume) in COLORED
+
+
+def in_colors(look: Look, volume: Volume | WaveletVolume, colormap: str) -> Look:
+    """The automatic look of a field in the colours of a map; an `ArgumentError` of other looks."""
+    function = look.transfer_function
+    if not are_colored(volume, look.composite) or not isinstance(function, TransferFunction):
+        raise ArgumentError(
+            f"volume {volume.name!r}: the look ({look.composite}, {look.reason}) is not one of a field, whose colours "
+            f"a map can take the place of; use TransferFunction.from_colormap({colormap!r}, volume)"
+        )
+    return replace(look, transfer_function=function_in_colors(function, colormap), name=colormap)
+
+
+def function_in_colors(function: TransferFunction, colormap: str) -> TransferFunction:
+    """The automatic function of a field in the colours of a map: evenly over its nodes."""
+    values = [value for value, *_ in function.color]
+    places, colors = colors_of(colormap)
+    rgb = [np.interp(np.linspace(0, 1, len(values)), places, colors[:, c]).tolist() for c in range(3)]
+    return TransferFunction(function.opacity, list(zip(values, *rgb, strict=True)), function.opacity_unit)
+
+
+def tinted(function: TransferFunction | TransferFunction2D, color: Rgb) -> TransferFunction | TransferFunction2D:
+    """The transfer function tinted: its white becomes a colour."""
+    if isinstance(function, TransferFunction2D):
+        rgba = function.rgba * np.array([*color, 1.0])
+        return function._with_rgba(rgba)
+    red, green, blue = color
+    nodes = [(value, r * red, g * green, b * blue) for value, r, g, b in function.color]
+    return TransferFunction(function.opacity, nodes, function.opacity_unit, function.gradient_opacity)
+
+
+def _cut_open(volume: Volume | WaveletVolume, known: Evidence) -> Look:
+    """A look of matter that fills the volume, so that only its faces would be seen: cut open, in opaque greys."""
+    axis = axis_of_distant_slices(volume)
+    view = "isometric" if axis is None else ("yz", "xz", "xy")[axis]
+    return Look(
+        transfer_function=_greys(known),
+        shading=None,
+        view=None if is_thin(volume) else view,
+        part="cut open",
+        name="auto",
+        reason=f"{known.reason}; matter up to the faces of the volume, shown in greys",
+    )
+
+
+def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:
+    """A look that shows the largest uptake along each ray, black on white."""
+    pixels = histogram.pixels_of_maxima(volume)
+    greys = histogram.exposed(volume, "maximum", pixels)
+    first, last = greys.color[0][0], greys.color[-1][0]
+    # The noise of air, whose largest value along a ray is no 0, showed the box of the scan as a grey one on white.
+    _, threshold, _ = _parted(known)
+    air = pixels[pixels < threshold]
+    if air.size:
+        first = max(first, min(float(np.percentile(air, AIR_PERCENT)), first + MAX_AIR * (last - first)))
+    # Faint uptake must show: half of the greys for the lower third.
+    color = [(first, 1.0, 1.0, 1.0), (first + 0.3 * (last - first), 0.48, 0.48, 0.48), (last, 0.0, 0.0, 0.0)]
+    function = TransferFunction([(first, 1.0)], color)
+    return Look(
+        transfer_function=function,
+        composite="maximum",
+        shading=None,
+        background="white",
+        name="auto",
+        reason=known.reason,
+    )
+
+
+def _maximum_of_few(volume: Volume | WaveletVolume, known: Evidence) -> Look:
+    """A maximum projection for a few bright samples over noise, in which the noise is nearly black."""
+    pixels = histogram.pixels_of_maxima(volume)
+    noise = float(np.median(pixels))
+    deviation = 1.4826 * float(np.median(np.abs(pixels - noise)))
+    far = pixels[pixels > noise + FAR * deviation]
+    white = float(np.percentile(far, 98.0)) if far.size else float(pixels.max())
+    black = min(noise + 2.0 * deviation, 0.5 * (noise + white))
+    reason = f"{known.reason}; so the largest value along each ray is shown"
+    function = TransferFunction([(black, 1.0)], [(black, 0.0, 0.0, 0.0), (white, 1.0, 1.0, 1.0)])
+    return Look(transfer_function=function, composite="maximum", shading=None, name="auto", reason=reason)
+
+
+def _greys(known: Evidence, *, is_clear_below: bool = False) -> TransferFunction:
+    """Opaque greys, as slices are shown. `is_clear_below`: what would be black is clear, such as air."""
+    low, high = CT_WINDOW if known.kind == "CT" else np.percentile(known.values, (0.5, 99.5))
+    high = high if high > low else low + 1.0
+    opacity = [(low, 0.0), (low, 1.0)] if is_clear_below else [(low, 1.0)]
+    return TransferFunction(opacity, [(low, 0.0, 0.0, 0.0), (high, 1.0, 1.0, 1.0)])
+
+
+Made = tuple[TransferFunction, "Shading | None"]
+
+
+def _ct(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
+    millimetre = METRES["mm"] / (units.metres(volume.unit) or METRES["mm"])
+    function = TransferFunction(CT_OPACITY, CT_COLOR, opacity_unit=millimetre)
+    if offset := offset_of(volume):
+        function = function._moved(offset)
+    return function, Shading(specular=0.15, ambient_occlusion=0.3)
+
+
+def _tissue(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look that shows skin and organs as surfaces: opaque soon above the background.
+
+    White is left to the largest thousandth: fat, and skin with it, is among the brightest seventh of a head, which in
+    scans of thick slices was a white plaster.
+    """
+    low, threshold, high = _parted(known)
+    inside = known.values[known.values > threshold]
+    middle, upper = np.percentile(inside, (40.0, 85.0))
+    nodes = _increasing([threshold - 0.4 * (threshold - low), threshold, middle, upper], high - low)
+    opacity = [0.0, 0.05, 0.25, 0.5]
+    return _curves(nodes, opacity, TISSUE, _increasing([nodes[0], nodes[1], nodes[3], high], high - low)), SOLID
+
+
+def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look that shows boundaries: opacity follows the mean gradient at a value, relative to that of other values."""
+    low, high = robust_range_of(known.values)
+    low, threshold, high = otsu_of_scan(known.values, low, high)
+    colors = TISSUE if volume.is_anatomical else MATTER
+    values = np.linspace(low, high, 65)
+    strength = _boundary_strength(known, values)
+    rise = np.clip((values - threshold) / max(high - threshold, 1e-12), 0.0, 1.0)
+    strength = 0.3 + 0.7 * strength
+    seen = values > threshold - 0.25 * (threshold - low)
+    alpha = np.where(seen, strength * (0.02 + 0.6 * rise**1.2), 0.0)
+    alpha[-1] = max(alpha[-1], 0.5)
+    nodes = list(zip(values.tolist(), np.clip(alpha, 0.0, 1.0).tolist(), strict=True))
+    return TransferFunction(nodes, _colored(colors, threshold, high)), SOLID
+
+
+def _dose(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look of a dose map: clear below a tenth of the largest dose, then from blue to red, the hottest solid."""
+    highest = max(float(volume.value_range[1]), float(known.values.max()))
+    shares = np.linspace(MIN_DOSE, 1.0, 17)
+    nodes = np.array(_increasing((shares * highest).tolist(), highest if highest > 0 else 1.0))
+    n_voxels = opaque_after(volume)
+    opacity = [
+        (float(v), opacity_of_voxel(0.9999 * float(s) ** 2.5, n_voxels)) for v, s in zip(nodes, shares, strict=True)
+    ]
+    opacity.insert(0, (float(nodes[0]), 0.0))
+    return TransferFunction(opacity, _mapped(DOSE_MAP, nodes, start=0.1)), None
+
+
+def _fa(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
+    """A look of fractional anisotropy: white matter gives light, and nothing has a skin."""
+    low, high = FA_ENDS
+    high = max(min(high, float(volume.value_range[1])), low + 0.1)
+    return _light(SHARE_MAP, low, high, opaque_after(volume)), None
+
+
+def _probability(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look of probabilities: clear at 0, opaque at the largest."""
+    high = max(float(volume.value_range[1]), float(known.values.max()))
+    # Without a value above 0, such as fits may have below it, nothing is probable, and nothing shows.
+    return _light(SHARE_MAP, 0.0, high if high > 0 else 1.0, opaque_after(volume)), SOFT
+
+
+def _map(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look of a calculated map: it gives light from the least value of the matter on, and nothing has a skin."""
+    values = known.values[known.values > 0]
+    low, high = (float(end) for end in np.percentile(values, MAP_ENDS)) if values.size else (0.0, 1.0)
+    # The least value of a statistic above its threshold; of a map without one, nearly 0.
+    least = max(1e-6 * abs(low), float(np.finfo(np.float32).tiny))
+    return _light(FIELD_MAP, low, max(high, low + least), opaque_after(volume)), None
+
+
+def _p_values(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
+    """A look of p-values: clear from the significant ones on, opaque at 0."""
+    light = _light(SHARE_MAP, 0.0, SIGNIFICANT, opaque_after(volume))
+    opacity = [(SIGNIFICANT - value, alpha) for value, alpha in reversed(light.opacity)]
+    color = [(SIGNIFICANT - value, *rgb) for value, *rgb in reversed(light.color)]
+    return TransferFunction(opacity, color), None
+
+
+def _light(name: str, low: float, high: float, n_voxels: float) -> TransferFunction:
+    """A colour map from a clear value to one that `n_voxels` together make opaque."""
+    places = np.linspace(0.0, 1.0, 17)
+    nodes = np.array(_increasing((low + (high - low) * places).tolist(), high - low))
+    opacity = list(zip(nodes.tolist(), rising(places, n_voxels).tolist(), strict=True))
+    return TransferFunction(opacity, _mapped(name, nodes, start=0.3))
+
+
+def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    low, threshold, high = _parted(known)
+    nodes = _increasing([threshold, threshold + 0.3 * (high - threshold), high], high - low)
+    return _curves(nodes, [0.0, 0.12, 0.5], TISSUE, np.linspace(threshold, high, 4)), Shading(ambient_occlusion=0.4)
+
+
+def _fluorescence(volume: Volume | WaveletVolume, _known: Evidence, wanted: Rgb | None = None) -> Made:
+    """A look of light in the colour of the channel: nothing is shaded."""
+    low, high, _ = channel_window(volume)
+    # Windows of files often begin below the background, which in space is fog.
+    background = clear_of_values(without_padding(subsampled(volume)))
+    color = lightened(wanted or color_of(volume.facts.channel, volume.facts.channels) or GREEN)
+    luminance = sum(share * weight for share, weight in zip(color, LUMINANCE, strict=True))
+    red, green, blue = (min(1.0, MAX_LUMINANCE / luminance) * share for share in color)
+    return ramp((red, green, blue), low, high, opaque_after(volume), clear=background, white=0.5), None
+
+
+def _em(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look of a block that is cut where the volume ends: grey, opaque, as the slices are."""
+    return _greys(known), None
+
+
+def _signed_field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look in blue below zero and red above, as strong at a value as at minus it."""
+    curves = of_signed_field(known.values, opaque_after(volume), _part_with_samples(volume))
+    table = np.array(SIGNS)
+    rgb = np.stack([np.interp(curves.places, table[:, 0], table[:, channel]) for channel in (1, 2, 3)], axis=1)
+    return _of_curves(curves, [(value, *one) for value, one in zip(curves.values.tolist(), rgb.tolist(), strict=True)])
+
+
+def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look in a perceptual colour map, bright where few samples are."""
+    fill, part = known.fill, _part_with_samples(volume)
+    values = known.values if fill is None else known.values[known.values > fill]
+    curves = of_field(values, opaque_after(volume), replace(part, share=part.share * values.size / known.values.size))
+    color = _mapped(FIELD_MAP, curves.values, start=FIELD_START)
+    if curves.shows_low:
+        color = [(value, *rgb) for value, (_, *rgb) in zip(curves.values.tolist(), reversed(color), strict=True)]
+    function, shading = _of_curves(curves, color)
+    if fill is not None and function.opacity[0][1] > 0:
+        # Samples without data are clear, although the lowest values, which are close to them, are visible.
+        least = float(values.min())
+        edge = [(least - 0.5 * (least - fill), 0.0), (least, function.opacity[0][1])]
+        nodes = [*edge, *(node for node in function.opacity if node[0] > least)]
+        function = TransferFunction(nodes, function.color)
+    return function, shading
+
+
+def _part_with_samples(volume: Volume | WaveletVolume) -> Part:
+    """The part of the box with finite samples; if many are missing, the others are an object whose shape is shown."""
+    samples = subsampled(volume)
+    is_there = np.isfinite(samples)
+    share = float(is_there.mean())
+    if not 0 < share < MAX_OBJECT:
+        return Part(max(share, 1e-6))
+    step = volume.shape[0] / samples.shape[0]
+    along = np.concatenate([is_there.sum(axis=axis).ravel() for axis in range(3)])
+    thickness = step * float(np.median(along[along > 0]))
+    return Part(share, opacity_of_voxel(VEIL, thickness))
+
+
+def _of_curves(curves: Curves, color: list[tuple[float, ...]]) -> Made:
+    opacity = list(zip(curves.values.tolist(), curves.opacity.tolist(), strict=True))
+    return TransferFunction(opacity, color), SOFT
+
+
+def _mask(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    low, high = float(known.values.min()), float(known.values.max())
+    return _solid(low, high), SOLID
+
+
+def _labels(_volume: Volume | WaveletVolume, _known: Evidence) -> Made:
+    return _solid(0.0, 1.0), SOLID
+
+
+def _solid(low: float, high: float) -> TransferFunction:
+    """A transfer function that is opaque from halfway between two values on."""
+    middle = 0.5 * (low + high)
+    return TransferFunction([(middle, 0.0), (middle, 1.0)], [(middle, *MASK)])
+
+
+LOOKS: dict[Kind, Callable[..., Made]] = {
+    "CT": _ct,
+    "MR": _tissue,
+    "PET": _tissue,
+    "dose": _dose,
+    "ultrasound": _ultrasound,
+    "fluorescence": _fluorescence,
+    "EM": _em,
+    "FA": _fa,
+    "probability": _probability,
+    "map": _map,
+    "p-values": _p_values,
+    "signed field": _signed_field,
+    "field": _field,
+    "mask": _mask,
+    "labels": _labels,
+    "scan": _scan,
+}
+
+
+def _parted(known: Evidence) -> tuple[float, float, float]:
+    """Values that count as smallest and largest, and the threshold between background and object."""
+    low, high = robust_range_of(known.values)
+    return low, otsu(known.values, low, high), high
+
+
+def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mean gradient of the samples near each value, as a share of the largest such mean, 0..1."""
+    step = float(values[1] - values[0])
+    place = np.clip(np.round((known.values - values[0]) / step).astype(np.int64), 0, values.size - 1)
+    counts = np.bincount(place, minlength=values.size).astype(np.float64)
+    sums = np.bincount(place, weights=known.gradients, minlength=values.size)
+    around = np.array([0.25, 0.5, 0.25])
+    counts, sums = (np.convolve(np.pad(array, 1, mode="edge"), around, mode="valid") for array in (counts, sums))
+    mean = np.where(counts > 0, sums / np.maximum(counts, 1e-9), 0.0)
+    enough = counts > 1e-5 * known.values.size
+    return np.asarray(mean / max(float(mean[enough].max(initial=0.0)), 1e-12)).clip(0.0, 1.0)
+
+
+def _increasing(nodes: Sequence[float], extent: float) -> list[float]:
+    """The nodes, kept a small distance apart: equal percentiles would make steps."""
+    least = 1e-3 * extent
+    out = [float(nodes[0])]
+    for node in nodes[1:]:
+        out.append(max(float(node), out[-1] + least))
+    return out
+
+
+def _curves(nodes: list[float], opacity: list[float], colors: Sequence[Rgb], places: Any) -> TransferFunction:
+    return TransferFunction(
+        list(zip(nodes, opacity, strict=True)),
+        [(float(place), *color) for place, color in zip(places, colors, strict=True)],
+    )
+
+
+def _colored(colors: Sequence[Rgb], low: float, high: float) -> list[tuple[float, float, float, float]]:
+    return [(float(v), *color) for v, color in zip(np.linspace(low, high, len(colors)), colors, strict=True)]
+
+
+def _mapped(name: str, nodes: NDArray[np.float64], *, start: float) -> list[tuple[float, ...]]:
+    """Colours of a map from `start` on at nodes, evenly."""
+    places, colors = colors_of(name)
+    wanted = np.linspace(start, 1.0, nodes.size)
+    red, green, blue = (np.interp(wanted, places, colors[:, c]).tolist() for c in range(3))
+    return list(zip(nodes.tolist(), red, green, blue, strict=True))

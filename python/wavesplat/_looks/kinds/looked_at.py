@@ -1,0 +1,105 @@
+"""The samples that decide the kind of data, with their neighbours; and their types of numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._model.lazy.survey import HISTOGRAM_SAMPLES, KIND_SAMPLES, step_for
+from wavesplat._model.lazy.volume import LazyVolume
+from wavesplat._model.volume.volume import Volume
+from wavesplat._model.volume.wavelet_volume import WaveletVolume
+
+# Whether samples are whole numbers, with or without a sign, or floating-point numbers: their type says it.
+#
+# It is the type that they have in memory, wherever they lie: 64-bit integers that are read in parts are read as
+# float64.
+
+
+def numbers_of(volume: Volume | WaveletVolume) -> str:
+    """The kind of the samples' type, as NumPy names it: "u", "i" or "f", as coefficients of wavelets have it."""
+    return "f" if isinstance(volume, WaveletVolume) else volume._type_in_memory.kind
+
+
+# The samples that decide the kind of data, with their neighbours; non-finite samples count as missing.
+
+#: The two neighbours of samples along each axis.
+Pairs: TypeAlias = "list[tuple[NDArray[Any], NDArray[Any]]]"
+
+#: Least number of finite samples among those spread evenly; where a volume has fewer, more are looked at.
+MIN_FINITE = 10_000
+
+
+def looked_at(volume: Volume | WaveletVolume) -> tuple[NDArray[Any], Pairs]:
+    """Samples spread evenly over the volume, and their two neighbours along each axis that has any, all flat.
+
+    Evenly and not by chance, so that a volume has the same look every time.
+    """
+    samples, neighbours = _spread_evenly(volume)
+    if volume.n_nonfinite and np.count_nonzero(np.isfinite(samples)) < MIN_FINITE:
+        return _finite_with_neighbours(subsampled(volume))
+    return samples, neighbours
+
+
+def subsampled(volume: Volume | WaveletVolume) -> NDArray[Any]:
+    """Every n-th sample along each axis, [z, y, x], some millions at most."""
+    return volume._every(step_for(math.prod(volume.shape), HISTOGRAM_SAMPLES))
+
+
+def _spread_evenly(volume: Volume | WaveletVolume) -> tuple[NDArray[Any], Pairs]:
+    step = step_for(math.prod(volume.shape), KIND_SAMPLES)
+    if isinstance(volume, LazyVolume) and (kept := volume._with_neighbours(step)) is not None:
+        return kept
+    if isinstance(volume, WaveletVolume | LazyVolume):
+        return with_neighbours(volume._every(step), 1)
+    return with_neighbours(volume.samples, step)
+
+
+def with_neighbours(samples: NDArray[Any], step: int) -> tuple[NDArray[Any], Pairs]:
+    """Every n-th sample [z, y, x] along each axis that has neighbours, and these, all flat."""
+    inside = [slice(1, n - 1, step) if n >= 3 else slice(0, n, step) for n in samples.shape]
+    pairs = []
+    for axis, n in enumerate(samples.shape):
+        if n >= 3:
+            before, after = list(inside), list(inside)
+            before[axis], after[axis] = slice(0, n - 2, step), slice(2, n, step)
+            pairs.append((samples[tuple(before)].ravel(), samples[tuple(after)].ravel()))
+    return samples[tuple(inside)].ravel(), pairs
+
+
+def _finite_with_neighbours(samples: NDArray[Any]) -> tuple[NDArray[Any], Pairs]:
+    """The finite samples [z, y, x], those of the border too, and their neighbours, which may be missing."""
+    around = np.pad(samples, 1, constant_values=np.nan)
+    places = np.argwhere(np.isfinite(around))
+    places = places[:: max(1, len(places) // KIND_SAMPLES)]
+    pairs = [(around[tuple((places - way).T)], around[tuple((places + way).T)]) for way in np.eye(3, dtype=np.int64)]
+    return around[tuple(places.T)], pairs
+
+
+def slopes(samples: NDArray[Any], neighbours: Pairs) -> list[NDArray[np.float64]]:
+    """Differences along each axis, sample units per voxel: of both neighbours, of one where the other is missing."""
+    own, made = samples.astype(np.float64), []
+    # Differences of infinite samples are NaN and are left out.
+    with np.errstate(invalid="ignore", over="ignore"):
+        for before, after in neighbours:
+            low, high = before.astype(np.float64), after.astype(np.float64)
+            slope = 0.5 * (high - low)
+            for side, other in ((high - own, low), (own - low, high)):
+                np.copyto(slope, side, where=~np.isfinite(other))
+            made.append(np.where(np.isfinite(slope), slope, 0.0))
+    return made
+
+
+def without_missing(samples: NDArray[Any], neighbours: Pairs) -> tuple[NDArray[Any], Pairs]:
+    """The samples with a value of its own for all that are missing, as a background has: 2 less than the least one."""
+    if samples.dtype.kind != "f":
+        return samples, neighbours
+    flat = [samples, *(side for pair in neighbours for side in pair)]
+    if all(np.isfinite(one).all() for one in flat):
+        return samples, neighbours
+    least = min(float(np.min(one, where=np.isfinite(one), initial=np.inf)) for one in flat)
+    own, *sides = (np.where(np.isfinite(one), one, least - 2.0) for one in flat)
+    return own, list(zip(sides[::2], sides[1::2], strict=True))

@@ -1,0 +1,1 @@
+"""Labels: segmentations, their files, names and colours, and regions of closed lines."""

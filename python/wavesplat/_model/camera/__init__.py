@@ -1,0 +1,1 @@
+"""Cameras: views, paths between them, fits to volumes, eyes, and their files."""

@@ -1,0 +1,1 @@
+"""Objects and files of other libraries and programs."""

@@ -1,0 +1,1 @@
+"""Volumes whose samples stay where they are and are read as they are drawn."""

@@ -1,0 +1,1 @@
+"""Volumes, their places, facts, units, names and series."""

@@ -1,0 +1,1 @@
+"""DICOM: files of hospitals, headers, frames, series, segments, regions and units."""

@@ -1,0 +1,1 @@
+"""Formats of microscopes: BigDataViewer, Imaris, and those of vendors by bioio."""

@@ -1,0 +1,1 @@
+"""NIfTI and other formats of neuroimaging, by nibabel."""

@@ -1,0 +1,1 @@
+"""Samples without much of a header: NumPy's files and raw bytes."""

@@ -1,0 +1,1 @@
+"""Grids of simulations and surveys: bricks of values, molecules, crystals, seismic cubes."""

@@ -1,0 +1,1 @@
+"""Files of VTK: images, grids, adaptive meshes and series."""

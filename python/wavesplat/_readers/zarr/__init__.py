@@ -1,0 +1,1 @@
+"""OME-Zarr, plain Zarr arrays, and maps that xarray wrote."""

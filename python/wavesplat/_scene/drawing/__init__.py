@@ -1,0 +1,1 @@
+"""Drawing of scenes: layers with their looks and volumes, the frame, the report, the cost."""

@@ -1,0 +1,1 @@
+"""Files and addresses: how they are named, read, checked, cached and written."""

@@ -1,0 +1,1 @@
+"""What all rooms stand on: memory, threads, optional libraries, and checks of values."""

@@ -1,0 +1,1 @@
+"""Files that are opened in the viewer: by the command, by pages, from the start page."""

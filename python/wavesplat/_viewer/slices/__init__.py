@@ -1,0 +1,1 @@
+"""Slices of the viewer: what they begin with, their panes, and the values sent to the page."""

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
+use wavesplat_compute::locks::lock;
 use wgpu::{DeviceDescriptor, ErrorFilter, Features, Limits, PollType};
 
 use crate::adapter::{Adapter, Choice, choose};
@@ -38,7 +39,7 @@ impl OpenDevice {
         let lost = Arc::new(Mutex::new(None));
         let (by_loss, by_error) = (lost.clone(), lost.clone());
         let note = |lost: &Mutex<Option<String>>, why: String| {
-            lost.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(why);
+            lock(lost).get_or_insert(why);
         };
         device.set_device_lost_callback(move |reason, message| note(&by_loss, format!("{reason:?} {message}")));
         // An error outside all scopes marks the device as lost; by default it would end the program.
@@ -49,7 +50,7 @@ impl OpenDevice {
 
     /// Reason of the loss, if the device is lost.
     pub fn lost(&self) -> Option<String> {
-        self.lost.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone()
+        lock(&self.lost).clone()
     }
 
     /// Runs work within error scopes; an error of the device becomes a [`Failure`].

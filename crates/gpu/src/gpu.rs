@@ -2,8 +2,9 @@
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
+use wavesplat_compute::locks::lock;
 use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::render::progress::ProgressCallback;
@@ -127,7 +128,7 @@ impl Gpu {
     }
 
     fn work(&self) -> MutexGuard<'_, GpuCache> {
-        self.work.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.work)
     }
 
     /// Draws the base planes of a plan, as the CPU's `draw_base_planes` does. `slices`: one per layer.

@@ -1,9 +1,10 @@
 //! The GPUs of a process: opened at first use, kept, opened once more when they are lost.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex};
 use std::time::Duration;
 
+use wavesplat_compute::locks::lock;
 use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::render::progress::ProgressCallback;
@@ -114,7 +115,7 @@ impl Gpus {
         if self.is_forked_child() {
             return;
         }
-        let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        let opened = lock(&self.opened);
         let is_opening =
             |opened: &mut Vec<(Choice, Opened)>| opened.iter().any(|(_, slot)| matches!(slot, Opened::Opening));
         // The time limit keeps a driver that hangs from blocking the program's exit.
@@ -185,7 +186,7 @@ impl Gpus {
     fn open_now(&self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
         // All choices that stand for one GPU share its device.
         let open: Vec<Arc<Gpu>> = {
-            let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+            let opened = lock(&self.opened);
             let open = opened.iter().filter_map(|(_, slot)| match slot {
                 Opened::Open(gpu) if gpu.lost().is_none() => Some(gpu.clone()),
                 _ => None,
@@ -244,12 +245,12 @@ impl Gpus {
     }
 
     fn slot(&self, choice: &Choice) -> Option<Opened> {
-        let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        let opened = lock(&self.opened);
         opened.iter().find(|(own, _)| own == choice).map(|(_, slot)| slot.clone())
     }
 
     fn set(&self, choice: &Choice, slot: Opened) {
-        let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut opened = lock(&self.opened);
         opened.retain(|(own, _)| own != choice);
         opened.push((choice.clone(), slot));
         self.changed.notify_all();
@@ -257,7 +258,7 @@ impl Gpus {
 
     /// Drops a GPU; the next use opens it anew.
     pub fn forget(&self, choice: &Choice) {
-        self.opened.lock().unwrap_or_else(PoisonError::into_inner).retain(|(own, _)| own != choice);
+        lock(&self.opened).retain(|(own, _)| own != choice);
     }
 }
 

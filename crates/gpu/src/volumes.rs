@@ -1,7 +1,8 @@
 //! Volumes on a GPU: whole, or in pages where they do not fit; an LRU cache within the budget.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
+use wavesplat_compute::locks::lock;
 use wavesplat_splat::source::slices::Slices;
 
 use crate::device::OpenDevice;
@@ -38,7 +39,7 @@ impl GpuVolume {
 
     /// Page table, if the volume is in pages.
     pub fn pages(&self) -> Option<MutexGuard<'_, Pages>> {
-        self.pages.as_ref().map(|pages| pages.lock().unwrap_or_else(PoisonError::into_inner))
+        self.pages.as_ref().map(|pages| lock(pages))
     }
 }
 

@@ -60,9 +60,9 @@ def in_order(array: Any, *, has_place: bool, of_file: Mapping[str, Any] | None =
             )
     ordered = array.isel(dict.fromkeys(extra, 0)).transpose(*spatial)
     title = None if array.name is None else str(array.name)
-    attributes = getattr(array, "attrs", {})
-    modality, value_unit = attributes.get(MODALITY), value_unit_of(attributes.get(UNITS))
-    is_anatomical = attributes.get(SPACE) == "RAS"
+    own = getattr(array, "attrs", {})
+    modality, value_unit = own.get(MODALITY), value_unit_of(own.get(UNITS))
+    is_anatomical = own.get(SPACE) == "RAS"
     is_model = of_file is not None or map_axes.is_of_world(ordered, spatial)
     is_map = is_model and not is_anatomical and modality is None
     facts = Facts(
@@ -85,8 +85,8 @@ def in_order(array: Any, *, has_place: bool, of_file: Mapping[str, Any] | None =
     matrix, unit, guesses = _place(ordered, spatial, attributes, is_map=is_map)
     if is_down:
         matrix = np.diag([1.0, 1.0, -1.0, 1.0]) @ matrix
-    if np.size(attributes.get(AFFINE, ())) == 16:
-        matrix = np.reshape(np.asarray(attributes[AFFINE], np.float64), (4, 4)) @ matrix
+    if np.size(own.get(AFFINE, ())) == 16:
+        matrix = np.reshape(np.asarray(own[AFFINE], np.float64), (4, 4)) @ matrix
     facts = replace(facts, unit=unit, guesses=(*notes, *guesses, *down))
     return Converted(ordered, matrix, facts, title)
 

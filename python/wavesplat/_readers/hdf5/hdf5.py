@@ -74,18 +74,20 @@ def _level(request: Request) -> Levels:
         place = place_of(dataset)
         zyx = tuple(found.order[k] for k in place.zyx) if len(found.order) == 3 else found.order
         chunks = dataset.chunks or [1] * (len(shape) - 2) + list(shape[-2:])
+        # A link that leads to another file gives the dataset's name there.
+        name = str(dataset.name if dataset.file.filename == file.filename else request.dataset)
         array = SlicedArray(
             None,
             name=request.name,
             chunks=along_zyx(chunks, zyx, 1),
             order=zyx,
             picked=found.picked,
-            opened=partial(open_hdf5, str(request.file), str(dataset.name)),
+            opened=partial(open_hdf5, str(request.file), name),
             convert=found.convert,
             dtype=found.made,
             shape=along_zyx(shape, zyx, 1),
             n_readers=1,
-            token=f"HDF5 {request.file} {dataset.name}",
+            token=f"HDF5 {request.file} {name}",
             files=files_of_dataset(dataset),
             reads_parts=dataset.chunks is None,
         )

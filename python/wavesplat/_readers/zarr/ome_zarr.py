@@ -6,7 +6,8 @@ World units are those of the file, usually micrometres, one for all axes, and th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from os import PathLike
@@ -88,7 +89,7 @@ def _made(levels: Sequence[_Level], facts: Facts, request: Request) -> Levels:
         [level.world_from_index for level in levels],
         facts,
         partial(_refused_chunks, levels[0].array, request),
-        partial(unwarned, "zarr"),
+        partial(_counted, levels[0].array),
     )
 
 
@@ -163,6 +164,20 @@ def _read_later(array: Any) -> None:
     place = place_of(array)
     if place is not None:
         place.warns = True
+
+
+@contextmanager
+def _counted(array: Any) -> Iterator[None]:
+    """Keep zarr from warnings, and count refused chunks for `_refused_chunks` instead of reporting the first."""
+    place = place_of(array)
+    if place is not None:
+        place.warns = False
+    try:
+        with unwarned("zarr"):
+            yield
+    finally:
+        if place is not None:
+            place.warns = True
 
 
 def _refused_chunks(array: Any, request: Request) -> tuple[str, ...]:

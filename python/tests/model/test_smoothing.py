@@ -160,5 +160,5 @@ def test_lengths_need_a_unit_of_the_file(wavesplat, tmp_path):
     arguments = ["slice", "a.npy", "-o", "a.png", "--smooth", "1mm"]
     done = wavesplat(*arguments, cwd=tmp_path)
     assert done.returncode == 2
-    assert "the file names no unit; give it with --unit" in done.stderr
+    assert "file names no unit; give it with --unit" in done.stderr
     assert wavesplat(*arguments, "--unit", "mm", cwd=tmp_path).returncode == 0

@@ -135,7 +135,9 @@ def changed_samples(volume: Volume, processing: ProcessingOptions) -> Volume:
     deviation = processing.smooth
     if deviation is None:
         return volume
-    if deviation.unit is None:
+    from wavesplat._model.volume import units
+
+    if units.canonical(deviation.unit) is None:
         return volume.smoothed(deviation.number)
     return volume.smoothed(deviation.in_world(volume.unit, "--smooth", "give it in voxels"), unit="world")
 

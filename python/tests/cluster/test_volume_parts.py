@@ -208,7 +208,8 @@ def test_pictures_from_other_processes_merge() -> None:
             input=pickle.dumps((whole, boxes, number)),
             capture_output=True,
             check=True,
-            cwd=Path(__file__).parents[1] / "shared",
+            cwd=Path(__file__).parent,
+            env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[1] / "shared")},
             timeout=300,
         )
         packed.append(done.stdout)

@@ -51,7 +51,7 @@ def run(code):
     return done.stdout
 
 
-#: What children do, each forked from the one parent.
+#: The work of children, each forked from the one parent.
 WORKS = [
     SAME.format(None),
     SAME.format(1),

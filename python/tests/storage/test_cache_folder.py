@@ -97,7 +97,7 @@ def test_what_was_not_used_for_long_is_removed(own, monkeypatch):
 WRITER = """
 import sys
 from pathlib import Path
-from wavesplat._files import cache_folder
+from wavesplat._storage import cache_folder
 cache_folder.MAX_BYTES = 6 * 20_000
 folder = cache_folder.CacheFolder(Path(sys.argv[1]), True)
 wrong = 0

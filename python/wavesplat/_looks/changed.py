@@ -38,7 +38,7 @@ N_PARTS = 8
 #: Share of white in what exposure makes of a channel's colour beyond 1: with all of it hues of mixtures turned by 9
 #: degrees, with half by 5.
 CHANNEL_WHITE = 0.5
-#: What factors are, in messages.
+#: The values that factors may have, in messages.
 NEUTRAL = "a positive number, 1 changes nothing"
 
 

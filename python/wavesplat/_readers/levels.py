@@ -79,7 +79,7 @@ class OneVolume:
     made: np.dtype[Any]
     convert: Callable[[NDArray[Any]], NDArray[Any]] | None = None
     n_times: int = 1
-    #: What is drawn of vectors.
+    #: The component, or the length, that is drawn of vectors.
     component: str | None = None
     guesses: tuple[str, ...] = ()
 

@@ -1,1 +1,1 @@
-"""What all rooms stand on: memory, threads, optional libraries, and checks of values."""
+"""The base of all rooms: memory, threads, optional libraries, and checks of values."""

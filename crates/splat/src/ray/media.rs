@@ -1,4 +1,4 @@
-//! What compositing of one volume ([`crate::ray::over`]) and of several ([`crate::ray::over_layers`]) share.
+//! Parts that compositing of one volume ([`crate::ray::over`]) and of several ([`crate::ray::over_layers`]) share.
 //!
 //! Both ask whether a live ray can see a layer's scan or its label medium, read the fields that these need, find the
 //! part of the slab that the layer's rays draw, and light its colours. They differ in how they mix media.

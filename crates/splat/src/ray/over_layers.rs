@@ -292,7 +292,7 @@ struct LayerSlab<'a, W: Wide> {
     optics: LayerOptics<'a>,
     /// The layer's own rays.
     rays: &'a Rays,
-    /// What these draw of the slab.
+    /// The part of the slab that these draw.
     part: SlabPart<W>,
     /// Fractions of the slab at which its parts begin and end, within what the rays draw.
     cuts: [W::F; N_CUTS],

@@ -39,7 +39,7 @@ PLACE_OF_CHANNEL = "{channel}"
 
 @dataclass(repr=False)
 class FileOptions:
-    """What is drawn again, and what is written."""
+    """The picture that is drawn again, and the files that are written."""
 
     again: Path | None = option(
         "FILE",

@@ -35,7 +35,7 @@ TELLING_S = 5.0
 
 @dataclass(repr=False)
 class OpenedOptions:
-    """What is opened instead of INPUT, and how it is drawn."""
+    """The document that is opened instead of INPUT, and how it is drawn."""
 
     state: Path | None = option(
         "FILE.json", "What the viewer saved, or a scene, instead of INPUT and its options; - is stdin."

@@ -67,7 +67,7 @@ class OperatorOptions:
 
 @dataclass(repr=False)
 class WaveletOptions:
-    """What is left out of wavelets."""
+    """Parts of wavelet volumes that are left out."""
 
     TITLE: ClassVar = "Wavelets"
 

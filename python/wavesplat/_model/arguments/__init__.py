@@ -1,1 +1,1 @@
-"""What pictures are asked for: operators, sampling, clips; and checks of arguments."""
+"""Arguments of pictures: operators, sampling, clips; and checks of arguments."""

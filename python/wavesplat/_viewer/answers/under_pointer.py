@@ -1,4 +1,4 @@
-"""What lies under the pointer: the ray and its depth, the shape, and the values there."""
+"""Things under the pointer: the ray and its depth, the shape, and the values there."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ export interface PointEditor<P extends Point> {
   onType(): void;
 }
 
-/** What differs from one kind of point to another. */
+/** The differences between kinds of points. */
 interface HandleKind<P extends Point> {
   y(point: P): number;
   color(point: P): string | null;

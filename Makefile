@@ -41,7 +41,7 @@ SHELL := $(CURDIR)/.ci/timed-shell
 	browser-test browser-test-all check clean concepts crates cross-check demo dev edges extras-check face fixtures fmt \
 	fuzz gallery gallery-check golden help instructions kernels kernels-anew licences licences-anew looks looks-beside-napari \
 	looks-beside-pyvista looks-beside-vtk memcheck miri nightly page-package passed pictures python-lint python-test \
-	python-test-all quality random-functions random-scenes readme release-check release-lint roofline rust-docs rust-lint \
+	python-test-all quality random-functions random-scenes readme references release-check release-lint roofline rust-docs rust-lint \
 	rust-test rust-test-asserted sbom scene-hashes sdist site site-test spelling stubs study study-cuts study-lod \
 	study-wavelets test test-arm test-napari viewer-pictures web web-check wheel wheels
 
@@ -192,7 +192,7 @@ viewer-pictures: $(STAMPS)/tools web/node_modules ## photograph the viewer: dark
 	cd web && node browser/photographs.mjs ../docs/pictures
 
 fuzz: $(STAMPS)/tools ## feed damaged files, documents and messages to all that reads them, FUZZ_SECONDS for each of 68 targets (100, an hour); FUZZ="-k dicom" are some
-	FUZZ_SECONDS=$(FUZZ_SECONDS) pytest python/tests/house/test_fuzzed_files.py python/tests/house/test_fuzzed_documents.py $(FUZZ)
+	FUZZ_SECONDS=$(FUZZ_SECONDS) pytest -m "" python/tests/house/test_fuzzed_files.py python/tests/house/test_fuzzed_documents.py $(FUZZ)
 	$(if $(FUZZ),,FUZZ_SECONDS=$(FUZZ_SECONDS) fuzz/run.sh)
 
 fixtures: ## write the fixtures of the stages anew, from their formulas
@@ -239,6 +239,9 @@ site-test: site web/node_modules ## try every page of the site in Chromium: widt
 
 pictures: $(STAMPS)/package ## draw nine pictures from the volumes of BENCH_DATA, six of which `make face` puts into the row of the README
 	BENCH_DATA=$(BENCH_DATA) python docs/first_pictures.py
+
+references: $(STAMPS)/tools ## draw anew the converged pictures that the tests of quality compare with; a quarter of an hour
+	python python/tools/make_references.py
 
 golden: $(STAMPS)/package ## draw the golden pictures of the tests anew; GOLDEN="labels maximum" draws those two
 	python python/tools/make_goldens.py $(GOLDEN)
@@ -302,7 +305,7 @@ python-test: $(STAMPS)/tools
 	pytest
 
 python-test-all: $(STAMPS)/tools
-	WAVESPLAT_NIGHTLY=1 pytest -m ""
+	pytest -m ""
 
 # Without threads for browsers, which holds the code for one thread of every system; on this one where the target is missing.
 rust-lint: $(STAMPS)/venv

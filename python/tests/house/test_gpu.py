@@ -203,6 +203,7 @@ def test_memory_is_an_amount():
         ws.gpu.memory("much")
 
 
+@pytest.mark.nightly
 def test_the_command_compares_pictures(device):
     command = [sys.executable, "-m", "wavesplat", "gpu-check", device]
     told = subprocess.run(command, capture_output=True, text=True, check=True, timeout=1800).stdout

@@ -33,6 +33,7 @@ def test_materials_of_the_same_density_have_no_surface():
         ws.Materials([flesh, bone]).surfaces()
 
 
+@pytest.mark.nightly
 def test_pictures_agree_with_direct_evaluation():
     scan = ws.examples.ct_pelvis()
     tf = ws.Materials.preset("ct").surfaces(0.9, thickness=6)

@@ -26,6 +26,7 @@ def test_round_trips(tmp_path):
     assert hash(copy) == hash(tf)
 
 
+@pytest.mark.nightly
 def test_pictures_agree_with_direct_evaluation():
     volume = ws.examples.ct_pelvis()
     tf = ws.TransferFunction2D.boundaries(

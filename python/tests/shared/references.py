@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).parents[3]
 FOLDER = Path(__file__).parents[1] / "fixtures" / "references"
-#: The sources that references are drawn with; the file beside the pictures has the hash of it that they were drawn with.
+#: The sources of references; the file beside the pictures has the hash of those that they were drawn with.
 SOURCES = ("crates/study/src", "crates/core/src")
 HASH_FILE = FOLDER / "sources.sha256"
 REMEDY = "`python python/tools/make_references.py` draws them anew; commit them with the reason for the change"

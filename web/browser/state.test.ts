@@ -25,7 +25,7 @@ afterAll(async () => {
   await server?.stop();
 });
 
-nightly("changes that draw nothing are confirmed: no word of a missing answer", async () => {
+test("changes that draw nothing are confirmed: no word of a missing answer", async () => {
   const page = await openViewer(browser, server.link);
   const before = await page.locator(".status").innerText();
   for (const panel of PANELS) await change(page, { op: "replace", path: "/view/interface/panels", value: [panel] });

@@ -80,6 +80,12 @@ def test_files_are_scenes_that_draw_the_same(pelvis, tmp_path):
     assert ws.Scene.load(path).layers[0].look.name == "ct-bone"
 
 
+def test_files_keep_whether_a_table_is_shown():
+    for keeps in (True, False):
+        scene = ws.Scene(ws.examples.ripples(8), keep_table=keeps)
+        assert ViewerState.of(scene).file_document().get("keep_table", False) is keeps
+
+
 def test_what_a_patch_does_not_touch_is_shared(pelvis):
     turned = pelvis.patched([viewer_fakes.turned(pelvis.camera, 10)])
     assert turned.scene is pelvis.scene

@@ -2,6 +2,7 @@
 
 Each text is doubled and redoubled, and the first that takes more than `MAX_S` of the processor fails: what grows with
 the square of the length takes seconds here, the others milliseconds, so that a loaded machine changes no verdict.
+A text that takes longer is used once more: the garbage of earlier tests may have been collected meanwhile.
 """
 
 from __future__ import annotations
@@ -44,12 +45,19 @@ def check_growth(use, text_of):
     """Check that `use(text_of(n))` takes no longer than texts of that length should, whatever it raises."""
     for length in LENGTHS:
         text = text_of(length)
-        begin = time.thread_time()
-        with suppress(WavesplatError, ValueError), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            use(text)
-        taken = time.thread_time() - begin
+        taken = seconds_of(use, text)
+        if taken >= MAX_S:
+            taken = min(taken, seconds_of(use, text))
         assert taken < MAX_S, f"{taken:.2f} s for a part of {length} letters"
+
+
+def seconds_of(use, text):
+    """Seconds of the processor that the use of a text takes."""
+    begin = time.thread_time()
+    with suppress(WavesplatError, ValueError), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        use(text)
+    return time.thread_time() - begin
 
 
 def through_a_file(path, use):

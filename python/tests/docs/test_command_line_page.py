@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import pages
+import pytest
 
 import wavesplat as ws
 
 PAGE = pages.ROOT / "docs" / "command_line.md"
 
 
+@pytest.mark.nightly  # by day: `test_named_in_blocks.py` parses each command
 def test_its_commands_run(tmp_path, monkeypatch, wavesplat):
     monkeypatch.chdir(tmp_path)
     ws.examples.ct_pelvis().save("scan.nrrd")

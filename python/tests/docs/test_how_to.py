@@ -17,6 +17,21 @@ BLOCKS = {
 }  # those of section "" import what the jobs of a page need
 JOBS = [(page, job) for page, blocks in BLOCKS.items() for job in dict.fromkeys(b.section for b in blocks) if job]
 MAX_LINES = 5
+#: Jobs that run at night alone: by day `test_tasks.py` follows most of these sections, with data of a person's own.
+OF_THE_NIGHT = (
+    "A figure for a paper",
+    "A maximum projection in a colour map",
+    "A mesh to print",
+    "A series of times",
+    "A turntable",
+    "Channels of a microscope",
+    "Many files",
+    "Opened at a corner",
+    "PET over CT",
+    "Slices on one sheet",
+    "Two scans, before and after a registration",
+    "Which function was used, to edit it",
+)
 
 
 def jobs_of(page):
@@ -34,7 +49,11 @@ def data(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("job", JOBS, ids=lambda job: f"{job[0].stem}-{job[1]}")
+@pytest.mark.parametrize(
+    "job",
+    [pytest.param(job, marks=[pytest.mark.nightly] * (job[1] in OF_THE_NIGHT)) for job in JOBS],
+    ids=lambda job: f"{job[0].stem}-{job[1]}",
+)
 def test_a_job_runs(job, data, tmp_path, monkeypatch, wavesplat):
     shutil.copytree(data, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
@@ -63,6 +82,7 @@ def test_the_index_leads_to_every_job():
     headings = {f"{page.name}#{anchor(job)}" for page, job in JOBS}
     assert links == headings
     assert len(JOBS) == 22
+    assert set(OF_THE_NIGHT) <= {job for _, job in JOBS}
 
 
 def anchor(heading):

@@ -15,6 +15,7 @@ import tifffile
 PAGE = pages.ROOT / "docs" / "microscopy.md"
 
 
+@pytest.mark.nightly  # by day: `test_named_in_blocks.py`, and the tests of ImageJ files
 def test_its_blocks_run(tmp_path, monkeypatch, wavesplat):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)

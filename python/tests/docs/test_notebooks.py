@@ -34,7 +34,12 @@ def test_outputs_are_not_kept_and_the_first_cell_leads_to_places_that_run_it(pat
     assert [cell for cell in code if re.search(r"^\s*[!%]", "".join(cell["source"]), re.MULTILINE)] == []
 
 
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+# By day the first one shows that a kernel runs, shows the viewer and draws.
+@pytest.mark.parametrize(
+    "path",
+    [path if path.stem == "first" else pytest.param(path, marks=pytest.mark.nightly) for path in NOTEBOOKS],
+    ids=lambda path: path.stem,
+)
 def test_it_runs(path, tmp_path, monkeypatch):
     nbclient = pytest.importorskip("nbclient")
     nbformat = pytest.importorskip("nbformat")

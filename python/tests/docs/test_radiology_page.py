@@ -6,6 +6,7 @@ import re
 import warnings
 
 import pages
+import pytest
 
 from wavesplat._looks.presets import catalogue
 from wavesplat._readers.opening import SUFFIXES
@@ -19,6 +20,7 @@ def _section(name):
     return TEXT.split(f"## {name}\n")[1].split("\n## ")[0]
 
 
+@pytest.mark.nightly  # by day: `test_named_in_blocks.py`, and the tests of meshes, slices and labels
 def test_its_blocks_run(tmp_path, monkeypatch, wavesplat):
     monkeypatch.chdir(tmp_path)
     names = {}

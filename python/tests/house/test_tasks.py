@@ -123,7 +123,26 @@ def shown_share(path: Path) -> float:
     return float((np.abs(pixels - pixels[0, 0]).max(axis=-1) > 8).mean())
 
 
-@pytest.mark.parametrize("task", TASKS, ids=lambda task: f"{task.who}: {task.wants}")
+#: By day `test_how_to.py` runs these sections, or tests of meshes, netCDF and transforms do what they say.
+OF_THE_NIGHT = (
+    "a follow-up compared",
+    "an activation",
+    "one view of several scans",
+    "a stack without sizes",
+    "a netCDF file drawn",
+    "salt by current",
+    "decades and signs",
+    "parts to print",
+    "a segmentation shown",
+    "arrays and images",
+)
+
+
+@pytest.mark.parametrize(
+    "task",
+    [pytest.param(task, marks=[pytest.mark.nightly] * (task.wants in OF_THE_NIGHT)) for task in TASKS],
+    ids=lambda task: f"{task.who}: {task.wants}",
+)
 def test_a_task_is_done_by_following_a_page(task, tmp_path, monkeypatch, wavesplat):
     monkeypatch.chdir(tmp_path)
     task.makes(tmp_path)

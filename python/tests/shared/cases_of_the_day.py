@@ -12,6 +12,11 @@ from typing import Any
 import pytest
 
 
+def nightly(*values: Any) -> list[Any]:
+    """Values of one parameter that run at night alone, with the names of cases that they have by day."""
+    return [pytest.param(value, marks=pytest.mark.nightly) for value in values]
+
+
 def values(item: Any) -> tuple[Any, ...]:
     """The value of each parameter of a case, by identity; names that are set together are one parameter."""
     if not hasattr(item, "callspec"):

@@ -38,7 +38,7 @@ SHELL := $(CURDIR)/.ci/timed-shell
 
 .DELETE_ON_ERROR:
 .PHONY: advisories bench bench-gpu bench-layers bench-psnr bench-qualities bench-shapes bench-threads bench-usual bench-viewer \
-	browser-test browser-test-all check clean concepts crates cross-check demo dev edges extras-check face fixtures fmt \
+	brain-oracle browser-test browser-test-all check clean concepts crates cross-check demo dev edges extras-check face fixtures fmt \
 	fuzz gallery gallery-check golden help instructions kernels kernels-anew licences licences-anew looks looks-beside-napari \
 	looks-beside-pyvista looks-beside-vtk memcheck miri nightly page-package passed pictures python-lint python-test \
 	python-test-all quality random-functions random-scenes readme references release-check release-lint roofline rust-docs rust-lint \
@@ -139,6 +139,9 @@ bench-shapes: $(STAMPS)/tools $(STAMPS)/released ## time surfaces, lines and poi
 
 scene-hashes: $(STAMPS)/package ## draw 100 scenes and print a hash of each; SCENES="--compare FILE" holds them to others
 	python benches/scene_hashes.py $(SCENES)
+
+brain-oracle: $(STAMPS)/package ## draw kinds, looks, windows and cameras of many volumes and compare with the kept lines; DATA=FOLDER, BRAIN=--keep
+	python python/tools/brain_oracle.py $(if $(DATA),--data $(DATA)) $(BRAIN)
 
 roofline: $(STAMPS)/released ## time by stage against the limits of a core, with perf; ROOFLINE="--record" keeps it
 	BENCH_DATA=$(BENCH_DATA) python benches/roofline.py $(ROOFLINE)

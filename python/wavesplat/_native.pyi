@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "FARTHEST",
     "SHOWS_THROUGH",
+    "VIEWS",
     "Ablation",
     "BlockState",
     "Camera",
@@ -22,14 +24,24 @@ __all__ = [
     "Volume",
     "WaveletVolume",
     "__version__",
+    "about",
+    "camera_axes",
+    "camera_project",
+    "camera_turned",
+    "camera_unproject",
+    "camera_widened",
     "encode_png",
+    "fit_all_views",
+    "fit_view",
     "gpu_adapters",
     "gpu_check",
     "gpu_count",
     "gpu_memory",
     "gpu_settle",
     "light_step",
+    "narrowed",
     "normals_of_faces",
+    "orbit_axes",
     "plane",
     "quality_settings",
     "raycast",
@@ -37,15 +49,21 @@ __all__ = [
     "render_standard",
     "rgb_bytes",
     "samples_for",
+    "sin_cos_deg",
     "smallest_budget",
     "splat_ablated",
     "splat_literal",
     "straight_bytes",
+    "view_angles",
 ]
 
 __version__: str
 #: Share of an opaque projection that shows through the shapes over it.
 SHOWS_THROUGH: float
+#: Largest ratio of lengths in a picture, such as of view and volume.
+FARTHEST: float
+#: Azimuth and elevation, degrees, of the named views.
+VIEWS: dict[str, tuple[float, float]]
 
 @type_check_only
 class RenderResult(TypedDict):
@@ -451,6 +469,43 @@ def smallest_budget(
 ) -> int:
     """The smallest budget, bytes, with which a stream of these arguments can be drawn."""
 
+_Vector: TypeAlias = tuple[float, float, float]
+#: Position, focal point and up of a camera; then `parallel_scale` or `view_angle`, degrees.
+_CameraFields: TypeAlias = tuple[_Vector, _Vector, _Vector, float | None, float | None]
+
+# Cameras (crates/view). Axes: rows right, up and back, [3, 3]; points [n, 3], world units; angles in degrees.
+
+def sin_cos_deg(angle: float) -> tuple[float, float]: ...
+def narrowed(view_angle: float, zoom: float) -> float: ...
+def view_angles(name: str, is_anatomical: bool) -> tuple[float, float]: ...
+def orbit_axes(azimuth: float, elevation: float) -> NDArray[np.float64]: ...
+def about(axis: _Vector, angle: float) -> NDArray[np.float64]: ...
+def camera_axes(camera: _CameraFields) -> NDArray[np.float64]: ...
+def camera_turned(camera: _CameraFields, azimuth: float, elevation: float, roll: float) -> _CameraFields: ...
+def camera_widened(camera: _CameraFields, shown: NDArray[np.float64], zoom: float, aspect: float) -> _CameraFields: ...
+def camera_project(
+    camera: _CameraFields, shown: NDArray[np.float64], size: tuple[int, int]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def camera_unproject(
+    camera: _CameraFields, places: NDArray[np.float64], depths: NDArray[np.float64], size: tuple[int, int]
+) -> NDArray[np.float64]: ...
+def fit_view(
+    seen_from: NDArray[np.float64],
+    corners: NDArray[np.float64],
+    shown: NDArray[np.float64] | None,
+    zoom: float,
+    view_angle: float | None,
+    aspect: float,
+    is_turn: bool,
+) -> _CameraFields: ...
+def fit_all_views(
+    views: Sequence[NDArray[np.float64]],
+    corners: NDArray[np.float64],
+    shown: NDArray[np.float64] | None,
+    zoom: float,
+    view_angle: float | None,
+    aspect: float,
+) -> _CameraFields: ...
 def light_step(shape: tuple[int, int, int], world_from_index: NDArray[np.float64]) -> tuple[int, int, int]:
     """Steps (z, y, x) between the samples that light is worked out from."""
 

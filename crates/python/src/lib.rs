@@ -11,12 +11,13 @@ mod rendering;
 mod shapes;
 mod stream;
 mod study;
+mod view;
 mod volume;
 mod wavelet;
 
 use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 
 /// Gives a process made by forking, as by `multiprocessing` on Linux, threads of its own.
 #[pyfunction]
@@ -28,8 +29,8 @@ fn after_fork() {
 #[pymodule]
 mod _native {
     use super::{
-        Bound, PyAnyMethods, PyDict, PyDictMethods, PyImportError, PyModule, PyModuleMethods, PyResult, after_fork,
-        wrap_pyfunction,
+        Bound, IntoPyDict, PyAnyMethods, PyDict, PyDictMethods, PyImportError, PyModule, PyModuleMethods, PyResult,
+        after_fork, wrap_pyfunction,
     };
     #[pymodule_export]
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
@@ -50,6 +51,11 @@ mod _native {
     #[pymodule_export]
     use crate::study::{render_standard, splat_ablated};
     #[pymodule_export]
+    use crate::view::{
+        about, camera_axes, camera_project, camera_turned, camera_unproject, camera_widened, fit_all_views, fit_view,
+        narrowed, orbit_axes, sin_cos_deg, view_angles,
+    };
+    #[pymodule_export]
     use crate::volume::PyVolume;
     #[pymodule_export]
     use crate::wavelet::{PyDecodedVolume, PyWaveletVolume};
@@ -67,6 +73,9 @@ mod _native {
             os.call_method("register_at_fork", (), Some(&hooks))?;
         }
         module.add("SHOWS_THROUGH", wavesplat::SHOWS_THROUGH)?;
+        module.add("FARTHEST", wavesplat::view::FARTHEST)?;
+        let views = wavesplat::view::VIEWS.map(|(name, azimuth, elevation)| (name, (azimuth, elevation)));
+        module.add("VIEWS", views.into_py_dict(module.py())?)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

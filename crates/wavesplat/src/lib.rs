@@ -4,8 +4,9 @@
 //! splatting: it gives the picture of a converged ray caster in a fraction of the time, and needs no GPU.
 //!
 //! ```
-//! use wavesplat::{Camera, ColorNode, FrameOptions, OpacityNode, Projection, Samples, Scene, TransferFunction, Volume};
 //! use wavesplat::glam::{DAffine3, DVec3};
+//! use wavesplat::view::{Fit, InView, grid_corners};
+//! use wavesplat::{ColorNode, FrameOptions, OpacityNode, Samples, Scene, TransferFunction, Volume};
 //!
 //! # fn main() -> wavesplat::Result<()> {
 //! // Samples of any type, x fastest, and the affine that takes their indices into the world.
@@ -22,9 +23,10 @@
 //! let color = [ColorNode { value: 0.0, rgb: [1.0, 0.8, 0.6] }];
 //! let look = TransferFunction::new(opacity.to_vec(), color.to_vec(), None)?;
 //!
-//! let focal_point = DVec3::splat(15.5);
-//! let projection = Projection::Perspective { view_angle_rad: 0.6 };
-//! let camera = Camera::new(focal_point + DVec3::new(60.0, -40.0, 30.0), focal_point, DVec3::Z, projection)?;
+//! // In perspective, 30 degrees beside the front and 20 above it, as near as all of the volume is in view.
+//! let corners = grid_corners(volume.grid());
+//! let framing = InView::around(&corners).perspective(35.0).aspect(160.0 / 120.0);
+//! let camera = framing.orbit(30.0, 20.0, Fit::View)?.camera()?;
 //!
 //! let scene = Scene::new(volume, look);
 //! let frame = scene.render(&camera, [160, 120], &FrameOptions::default())?;
@@ -37,6 +39,7 @@
 //!
 //! # What else there is
 //!
+//! - [`view::InView`]: cameras on an orbit, or of a named view, that show all of a volume; [`view::Pose`]: their turns.
 //! - [`Composite`]: *over*, first hit of an isosurface, and projections (MIP and others).
 //! - [`Shading`]: Phong, lights, ambient occlusion, shadows. [`Labels`]: a segmentation beside the scan.
 //! - [`Crop`] boxes and [`ClipPlane`]s; [`Kernel`]s between samples, from trilinear to cubic B-splines.
@@ -117,6 +120,7 @@ pub use wavesplat_splat::render::stream::{IndexBox, Storage};
 pub use wavesplat_splat::slice_plane::{Plane, Reduction, ThickSlab};
 pub use wavesplat_splat::source::survey::Survey;
 pub use wavesplat_splat::{ProgressCallback, ProgressPart, Report, with_threads};
+pub use wavesplat_view as view;
 pub use wavesplat_wavelet::{
     CoefficientArrays, CoefficientDecoder, Keep, Norm, WaveletError, WaveletFamily, WaveletVolume,
 };

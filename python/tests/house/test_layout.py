@@ -76,6 +76,7 @@ ROOMS = {
     ],
     "crates/wavelet/src": ["family", "error", "transform", "volume"],
     "crates/lod/src": ["sample_box", "probe_rays", "level_brightness", "level_histogram", "level_transfer_function"],
+    "crates/view/src": ["rotation", "lens", "named", "pose", "fit"],
     "crates/wavesplat/src": [
         "error",
         "quality",
@@ -104,6 +105,7 @@ LEAVES = {
     "crates/gpu/src": ["lib"],
     "crates/wavelet/src": ["lib"],
     "crates/lod/src": ["lib"],
+    "crates/view/src": ["lib"],
     "crates/wavesplat/src": ["lib"],
 }
 

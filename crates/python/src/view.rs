@@ -1,0 +1,166 @@
+//! Named views, orbits, fits and turns of cameras; see `_native.pyi`.
+
+use glam::{DMat3, DVec3};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use wavesplat::view::{self, Axes, Fit, InView, Lens, Pose};
+
+use crate::arguments::{Triple, vector};
+use crate::errors::to_py;
+
+/// Position, focal point and up, then `parallel_scale` or `view_angle`.
+type Fields = (Triple, Triple, Triple, Option<f64>, Option<f64>);
+type PointArray<'py> = PyReadonlyArray2<'py, f64>;
+
+fn triple(v: DVec3) -> Triple {
+    v.into()
+}
+
+fn pose((position, focal_point, view_up, parallel_scale, view_angle): Fields) -> Pose {
+    let lens = match view_angle {
+        Some(angle) => Lens::ViewAngleDeg(angle),
+        None => Lens::ParallelScale(parallel_scale.unwrap_or(0.0)),
+    };
+    Pose { position: vector(position), focal_point: vector(focal_point), view_up: vector(view_up), lens }
+}
+
+fn fields(pose: &Pose) -> Fields {
+    let (parallel_scale, view_angle) = match pose.lens {
+        Lens::ParallelScale(scale) => (Some(scale), None),
+        Lens::ViewAngleDeg(angle) => (None, Some(angle)),
+    };
+    (triple(pose.position), triple(pose.focal_point), triple(pose.view_up), parallel_scale, view_angle)
+}
+
+fn points(rows: &PointArray<'_>) -> Vec<DVec3> {
+    rows.as_array().rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect()
+}
+
+fn axes(rows: &PointArray<'_>) -> Axes {
+    let [right, up, back] = points(rows)[..] else { unreachable!("three rows") };
+    Axes { right, up, back }
+}
+
+fn rows<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]]) -> Bound<'py, PyArray2<f64>> {
+    let array = PyArray1::from_slice(py, rows.as_flattened());
+    numpy::PyArrayMethods::reshape(&array, [rows.len(), N]).expect("as many numbers as rows have")
+}
+
+fn rows_of_axes(py: Python<'_>, Axes { right, up, back }: Axes) -> Bound<'_, PyArray2<f64>> {
+    rows(py, &[right, up, back].map(|v| v.to_array()))
+}
+
+#[pyfunction]
+pub fn sin_cos_deg(angle: f64) -> (f64, f64) {
+    view::sin_cos_deg(angle)
+}
+
+#[pyfunction]
+pub fn narrowed(view_angle: f64, zoom: f64) -> f64 {
+    view::narrowed(view_angle, zoom)
+}
+
+#[pyfunction]
+pub fn view_angles(name: &str, is_anatomical: bool) -> PyResult<(f64, f64)> {
+    view::view_angles(name, is_anatomical).map_err(to_py)
+}
+
+#[pyfunction]
+pub fn orbit_axes(py: Python<'_>, azimuth: f64, elevation: f64) -> Bound<'_, PyArray2<f64>> {
+    rows_of_axes(py, view::orbit_axes(azimuth, elevation))
+}
+
+#[pyfunction]
+pub fn about(py: Python<'_>, axis: Triple, angle: f64) -> Bound<'_, PyArray2<f64>> {
+    let matrix: DMat3 = view::about(vector(axis), angle);
+    rows(py, &matrix.transpose().to_cols_array_2d())
+}
+
+#[pyfunction]
+pub fn camera_axes(py: Python<'_>, camera: Fields) -> Bound<'_, PyArray2<f64>> {
+    rows_of_axes(py, pose(camera).axes())
+}
+
+#[pyfunction]
+pub fn camera_turned(camera: Fields, azimuth: f64, elevation: f64, roll: f64) -> Fields {
+    fields(&pose(camera).turned(azimuth, elevation, roll))
+}
+
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+pub fn camera_widened(camera: Fields, shown: PointArray<'_>, zoom: f64, aspect: f64) -> Fields {
+    fields(&pose(camera).widened(&points(&shown), zoom, aspect))
+}
+
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+pub fn camera_project<'py>(
+    py: Python<'py>,
+    camera: Fields,
+    shown: PointArray<'py>,
+    size: [usize; 2],
+) -> (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>) {
+    let (places, depths) = pose(camera).project(&points(&shown), size);
+    (rows(py, &places), PyArray1::from_vec(py, depths))
+}
+
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+pub fn camera_unproject<'py>(
+    py: Python<'py>,
+    camera: Fields,
+    places: PointArray<'py>,
+    depths: PyReadonlyArray1<'py, f64>,
+    size: [usize; 2],
+) -> Bound<'py, PyArray2<f64>> {
+    let places: Vec<[f64; 2]> = places.as_array().rows().into_iter().map(|row| [row[0], row[1]]).collect();
+    let found = pose(camera).unproject(&places, &depths.as_array().to_vec(), size);
+    rows(py, &found.into_iter().map(|point| point.to_array()).collect::<Vec<_>>())
+}
+
+fn framing<'a>(
+    corners: &'a [DVec3],
+    points: Option<&'a [DVec3]>,
+    zoom: f64,
+    view_angle: Option<f64>,
+    aspect: f64,
+) -> InView<'a> {
+    let mut framing = InView::around(corners).zoom(zoom).aspect(aspect);
+    if let Some(points) = points {
+        framing = framing.points(points);
+    }
+    view_angle.map_or(framing, |angle| framing.perspective(angle))
+}
+
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+pub fn fit_view(
+    seen_from: PointArray<'_>,
+    corners: PointArray<'_>,
+    shown: Option<PointArray<'_>>,
+    zoom: f64,
+    view_angle: Option<f64>,
+    aspect: f64,
+    is_turn: bool,
+) -> PyResult<Fields> {
+    let (corners, shown) = (points(&corners), shown.as_ref().map(points));
+    let fit = if is_turn { Fit::Turn } else { Fit::View };
+    let framing = framing(&corners, shown.as_deref(), zoom, view_angle, aspect);
+    framing.place(&axes(&seen_from), fit).map(|pose| fields(&pose)).map_err(to_py)
+}
+
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+pub fn fit_all_views(
+    views: Vec<PointArray<'_>>,
+    corners: PointArray<'_>,
+    shown: Option<PointArray<'_>>,
+    zoom: f64,
+    view_angle: Option<f64>,
+    aspect: f64,
+) -> PyResult<Fields> {
+    let (corners, shown) = (points(&corners), shown.as_ref().map(points));
+    let views: Vec<Axes> = views.iter().map(axes).collect();
+    let framing = framing(&corners, shown.as_deref(), zoom, view_angle, aspect);
+    framing.place_for_all(&views).map(|pose| fields(&pose)).map_err(to_py)
+}

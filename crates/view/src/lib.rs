@@ -1,0 +1,34 @@
+//! Cameras: named views, orbits around a volume, fits, turns, and places of points in the picture.
+//!
+//! An [`InView`] is what is to be in view and through which lens; it places a [`Pose`]: position, focal point, up and
+//! lens in the words of people and files, with angles in degrees. [`Pose::camera`] is what the renderer takes. All is
+//! in double precision. Products are summed with fused multiplications in a fixed order, so that results differ
+//! between machines only where the sine, cosine, tangent and arc tangent of their standard libraries do.
+//!
+//! ```
+//! use glam::DVec3;
+//! use wavesplat_view::{Fit, InView, box_corners};
+//!
+//! # fn main() -> wavesplat_core::Result<()> {
+//! let corners = box_corners([DVec3::ZERO, DVec3::new(100.0, 80.0, 60.0)]);
+//! // From 30 degrees beside the front and 20 degrees above it, in a picture of 4 by 3.
+//! let pose = InView::around(&corners).perspective(30.0).aspect(4.0 / 3.0).orbit(30.0, 20.0, Fit::View)?;
+//! let (pixels, _) = pose.project(&corners, [640, 480]);
+//! assert!(pixels.iter().all(|[x, y]| (-0.51..639.51).contains(x) && (-0.51..479.51).contains(y)));
+//! let camera = pose.camera()?;
+//! assert_eq!(camera.position(), pose.position);
+//! # Ok(())
+//! # }
+//! ```
+
+mod fit;
+mod lens;
+mod named;
+mod pose;
+mod rotation;
+
+pub use fit::{Fit, InView, box_corners, grid_corners};
+pub use lens::{FARTHEST, Lens, narrowed};
+pub use named::{VIEWS, view_angles};
+pub use pose::Pose;
+pub use rotation::{Axes, about, orbit_axes, sin_cos_deg};

@@ -160,7 +160,7 @@ def _first(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) 
     eye = fit.placed_for_all(
         views, around, zoom=framing.FILLED * turn.zoom, view_angle=turn.view_angle, aspect=aspect, points=points
     )
-    return Camera(eye.position, eye.focal_point, axes[1], parallel_scale=eye.parallel_scale, view_angle=eye.view_angle)
+    return fit.camera_at(eye)
 
 
 def _numbers(times: object) -> tuple[int, ...]:

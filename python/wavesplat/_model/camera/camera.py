@@ -216,15 +216,7 @@ class Camera:
         camera_fit.check_angles(azimuth=azimuth, elevation=elevation, roll=roll)
         if azimuth == elevation == roll == 0:
             return self
-        right, up, back = camera_fit.axes_of(self)
-        s, c = camera_fit.sin_cos_deg(elevation)
-        up, back = c * up - s * back, s * up + c * back
-        s, c = camera_fit.sin_cos_deg(roll)
-        up = c * up + s * right
-        about_z = camera_fit.about((0, 0, 1), azimuth)
-        up, back = about_z @ up + 0.0, about_z @ back + 0.0
-        eye = self.focal_point + dist(self.position, self.focal_point) * back
-        return replace(self, position=eye, view_up=up)
+        return camera_fit.turned(self, azimuth, elevation, roll)
 
     @takes_its_types
     def zoomed(self, factor: float) -> Camera:
@@ -535,9 +527,7 @@ class Camera:
 
     @classmethod
     def _placed(cls, axes: camera_fit.Vectors, volume: VolumeLike, **options: Any) -> Camera:
-        eye = camera_fit.placed(axes, volume, **options)
-        lens = {"parallel_scale": eye.parallel_scale, "view_angle": eye.view_angle}
-        return cls(eye.position, eye.focal_point, axes[1], **lens)
+        return camera_fit.camera_at(camera_fit.placed(axes, volume, **options))
 
     def __reduce__(self) -> tuple[Any, ...]:
         lens = partial(type(self), parallel_scale=self.parallel_scale, view_angle=self.view_angle)

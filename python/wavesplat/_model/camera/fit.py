@@ -1,22 +1,17 @@
-"""Fitting cameras: the distance and the scale at which a volume is just in view.
-
-For one view, by the volume's corners projected into the picture; for a whole turn, by the sphere around them:
-a sphere of radius r fills the view where half the height is r, and in perspective from r / sin(half the angle).
-"""
+"""Fitting cameras: what is to be in view, checked; where the camera then stands is decided in `crates/view`."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from itertools import product
-from math import atan, cos, degrees, dist, radians, sin, tan
 from operator import index
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wavesplat._model.camera.views import Vector, check_magnitude, triple
+from wavesplat import _native
+from wavesplat._model.camera.views import Vector, check_magnitude
 from wavesplat._model.volume import affine
 from wavesplat._model.volume.grid import Grid
 from wavesplat._system.values import described, number, positive
@@ -31,13 +26,21 @@ Fit: TypeAlias = Literal["turn", "view"]
 
 Vectors: TypeAlias = NDArray[np.float64]
 
+#: Pixels of a side that integers of the machine hold.
+MAX_SIDE = 2**31
 
-@dataclass(frozen=True)
-class Placed:
-    """Position, focal point and lens of a fitted camera."""
+
+#: See `crates/view`: sine and cosine of degrees, exact at quarter turns; the angle of view in which things look larger;
+#: right, up, and back (towards the eye) of a camera on the orbit, as rows.
+sin_cos_deg, narrowed, orbit_axes = _native.sin_cos_deg, _native.narrowed, _native.orbit_axes
+
+
+class Placed(NamedTuple):
+    """Position, focal point, up and lens of a camera, as the compiled module takes and gives them."""
 
     position: Vector
     focal_point: Vector
+    view_up: Vector
     parallel_scale: float | None
     view_angle: float | None
 
@@ -50,7 +53,7 @@ def corners_of(what: object) -> Vectors:
     if not isinstance(what, Grid):
         if _has_bounds(what):
             bounds: Any = what
-            return np.array(list(product(*bounds.bounds.T)))
+            return np.array(list(product(*bounds.bounds.T)), np.float64)
         what = _volume(what)
     return affine.box_corners(what.world_from_index, what.shape)
 
@@ -77,39 +80,8 @@ def placed(
     given: object = fit
     if not isinstance(given, str) or given not in ("turn", "view"):
         raise ArgumentError(f'fit is {described(fit)}; it is "turn" or "view"')
-    corners = corners_of(what)
-    shown = corners if points is None else _checked_points(points)
-    if points is None or fit == "turn":
-        center = (shown.min(axis=0) + shown.max(axis=0)) / 2
-    else:
-        # The middle of what is seen from there.
-        seen = shown @ axes.T
-        center = (seen.min(axis=0) + seen.max(axis=0)) / 2 @ axes
-    parallel_scale = narrowed_angle = None
-    if fit == "turn":
-        radius = float(np.linalg.norm(shown - center, axis=1).max())
-        if view_angle is None:
-            distance = 2 * float(np.linalg.norm(corners - center, axis=1).max())  # clear of the box
-            parallel_scale = radius * max(1.0, 1 / aspect) / zoom
-        else:
-            slope = tan(radians(view_angle) / 2)
-            distance = radius / sin(atan(slope * min(1.0, aspect)))
-    else:
-        in_view = (shown - center) @ axes.T
-        if view_angle is None:
-            distance = float(np.ptp((corners - center) @ axes[2]))  # clear of the box, so that depths are positive
-            half_height = np.maximum(np.abs(in_view[:, 1]), np.abs(in_view[:, 0]) / aspect).max()
-            parallel_scale = float(half_height) / zoom
-        else:
-            distance = _distance_that_fits(in_view, view_angle, aspect)
-    if view_angle is not None:
-        narrowed_angle = narrowed(view_angle, zoom)
-    return Placed(
-        position=triple(center + distance * axes[2]),
-        focal_point=triple(center),
-        parallel_scale=parallel_scale,
-        view_angle=narrowed_angle,
-    )
+    shown = None if points is None else _checked_points(points)
+    return Placed(*_native.fit_view(axes, corners_of(what), shown, zoom, view_angle, aspect, fit == "turn"))
 
 
 def placed_for_all(
@@ -126,24 +98,8 @@ def placed_for_all(
     All look at the centre of the bounding box of the corners, or of `points`.
     """
     check_lens(zoom, view_angle, aspect)
-    corners = corners_of(what)
-    shown = corners if points is None else _checked_points(points)
-    center = (shown.min(axis=0) + shown.max(axis=0)) / 2
-    from_center = shown - center
-    parallel_scale = narrowed_angle = None
-    if view_angle is None:
-        distance = 2 * float(np.linalg.norm(corners - center, axis=1).max())
-        halves = [np.abs(from_center @ (axes[:2] / [[aspect], [1.0]]).T).max() for axes in views]
-        parallel_scale = float(max(halves)) / zoom
-    else:
-        distance = max(_distance_that_fits(from_center @ axes.T, view_angle, aspect) for axes in views)
-        narrowed_angle = narrowed(view_angle, zoom)
-    return Placed(
-        position=triple(center + distance * views[0][2]),
-        focal_point=triple(center),
-        parallel_scale=parallel_scale,
-        view_angle=narrowed_angle,
-    )
+    shown = None if points is None else _checked_points(points)
+    return Placed(*_native.fit_all_views(views, corners_of(what), shown, zoom, view_angle, aspect))
 
 
 def widened(camera: Camera, what: Grid | Vectors, *, zoom: float, aspect: float) -> Camera:
@@ -152,60 +108,47 @@ def widened(camera: Camera, what: Grid | Vectors, *, zoom: float, aspect: float)
     `zoom`: magnification beyond that fit, which is kept.
     """
     shown = what if isinstance(what, np.ndarray) else corners_of(what)
-    axes = axes_of(camera)
-    in_view = (shown - camera.focal_point) @ axes.T
-    if camera.view_angle is None:
-        needed = float(np.maximum(np.abs(in_view[:, 1]), np.abs(in_view[:, 0]) / aspect).max()) / zoom
-        return camera if needed <= (camera.parallel_scale or 0.0) else replace(camera, parallel_scale=needed)
-    distance = _distance_that_fits(in_view, narrowed(camera.view_angle, 1 / zoom), aspect)
-    if distance <= dist(camera.position, camera.focal_point):
-        return camera
-    return replace(camera, position=triple(camera.focal_point + distance * axes[2]))
+    before = fields_of(camera)
+    after = Placed(*_native.camera_widened(before, shown, zoom, aspect))
+    return camera if after == before else camera_at(after)
+
+
+def turned(camera: Camera, azimuth: float, elevation: float, roll: float) -> Camera:
+    """See `Camera.turned`."""
+    return camera_at(Placed(*_native.camera_turned(fields_of(camera), azimuth, elevation, roll)))
 
 
 def about(axis: Sequence[float], angle: float) -> Vectors:
-    """Rotation matrix about an axis, degrees, anticlockwise seen from its tip (Rodrigues); exact at quarter turns."""
-    s, c = sin_cos_deg(angle)
-    unit = np.divide(axis, np.linalg.norm(axis))
-    x, y, z = unit.tolist()
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(c * np.eye(3) + s * cross + (1 - c) * np.outer(unit, unit)) + 0.0
-
-
-def narrowed(view_angle: float, zoom: float) -> float:
-    """The angle of view, degrees, in which things look `zoom` times as large."""
-    return degrees(2 * atan(tan(radians(view_angle) / 2) / zoom))
+    """Rotation matrix about an axis, degrees, anticlockwise seen from its tip; exact at quarter turns."""
+    x, y, z = axis
+    return _native.about((x, y, z), angle)
 
 
 def axes_of(camera: Camera) -> Vectors:
     """Rows: right, up, and back (towards the eye) of a camera, unit vectors in the world."""
-    back = np.subtract(camera.position, camera.focal_point)
-    back /= np.linalg.norm(back)
-    right = np.cross(camera.view_up, back)
-    right /= np.linalg.norm(right)
-    return np.array([right, np.cross(back, right), back])
+    return _native.camera_axes(fields_of(camera))
+
+
+def fields_of(camera: Camera) -> Placed:
+    """Position, focal point, up and lens of a camera."""
+    return Placed(camera.position, camera.focal_point, camera.view_up, camera.parallel_scale, camera.view_angle)
+
+
+def camera_at(placed: Placed) -> Camera:
+    """The camera with this position, focal point, up and lens."""
+    from wavesplat._model.camera.camera import Camera
+
+    return Camera(*placed[:3], parallel_scale=placed.parallel_scale, view_angle=placed.view_angle)
 
 
 def projected(camera: Camera, points: ArrayLike, size: Sequence[int]) -> tuple[Vectors, Vectors]:
-    """See `Camera.project`. The inverse of `ray` of `crates/core/src/camera.rs`, whose pixel centres are at halves."""
-    seen = _checked_points(points) - camera.position
-    width, height = _checked_size(size)
-    right, up, back = axes_of(camera)
-    forward = -(seen @ back)
-    if camera.view_angle is None:
-        half_heights: Vectors | float = camera.parallel_scale or 0.0
-        depths = forward
-    else:
-        half_heights = np.where(forward > 0, forward, np.nan) * tan(radians(camera.view_angle) / 2)
-        depths = np.where(forward > 0, np.linalg.norm(seen, axis=1), np.nan)
-    columns = (width + height * (seen @ right) / half_heights) / 2 - 0.5
-    rows = height * (1 - (seen @ up) / half_heights) / 2 - 0.5
-    return np.stack([columns, rows], axis=1), depths
+    """See `Camera.project`."""
+    return _native.camera_project(fields_of(camera), _checked_points(points), _checked_size(size))
 
 
 def unprojected(camera: Camera, pixels: ArrayLike, depths: ArrayLike, size: Sequence[int]) -> Vectors:
     """See `Camera.unproject`."""
-    width, height = _checked_size(size)
+    pixels_of_picture = _checked_size(size)
     try:
         places, along = np.array(pixels, np.float64), np.array(depths, np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -215,34 +158,7 @@ def unprojected(camera: Camera, pixels: ArrayLike, depths: ArrayLike, size: Sequ
             f"pixels has shape {places.shape} and depths {along.shape}; give columns and rows, shape (n, 2), and a "
             "depth for each, shape (n,), or one number for all"
         )
-    right, up, back = axes_of(camera)
-    # Distances from the middle of the picture, in half its heights.
-    across = (2 * (places[:, :1] + 0.5) - width) / height
-    upwards = 1 - 2 * (places[:, 1:] + 0.5) / height
-    along = np.broadcast_to(along, len(places))[:, None]
-    if camera.view_angle is None:
-        half = camera.parallel_scale or 0.0
-        return np.asarray(camera.position + half * (across * right + upwards * up) - along * back)
-    slope = tan(radians(camera.view_angle) / 2)
-    rays = slope * (across * right + upwards * up) - back
-    return np.asarray(camera.position + along * rays / np.linalg.norm(rays, axis=1, keepdims=True))
-
-
-def orbit_axes(azimuth: float, elevation: float) -> Vectors:
-    """Rows: right, up, and back (towards the eye) of a camera on the orbit, in the world."""
-    sin_a, cos_a = sin_cos_deg(azimuth)
-    sin_e, cos_e = sin_cos_deg(elevation)
-    back = (-sin_a * cos_e, cos_a * cos_e, sin_e)
-    up = (sin_a * sin_e, -cos_a * sin_e, cos_e)  # the derivative of `back` by the elevation
-    # Adding 0.0 turns -0.0 into 0.0, which prints better.
-    return np.array([np.cross(up, back), up, back]) + 0.0
-
-
-def sin_cos_deg(angle: float) -> tuple[float, float]:
-    """Sine and cosine of degrees, exact at quarter turns, so that the named views look straight along an axis."""
-    quarters, rest = divmod(angle, 90.0)
-    s, c = sin(radians(rest)), cos(radians(rest))
-    return ((s, c), (c, -s), (-s, -c), (-c, s))[int(quarters) % 4]
+    return _native.camera_unproject(fields_of(camera), places, np.atleast_1d(along), pixels_of_picture)
 
 
 def check_angles(**angles: float) -> None:
@@ -277,7 +193,7 @@ def _checked_size(size: Sequence[int]) -> tuple[int, int]:
         width, height = (index(side) for side in size)
     except (TypeError, ValueError):
         width, height = 0, 0
-    if width < 1 or height < 1:
+    if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE):
         raise ArgumentError(f"size is {described(size)}; give (width, height), two whole numbers of pixels from 1")
     return width, height
 
@@ -290,13 +206,3 @@ def _checked_points(points: ArrayLike) -> Vectors:
     if shown.ndim != 2 or shown.shape[1] != 3 or not len(shown) or not np.isfinite(shown).all():
         raise ArgumentError(f"points is {described(points)}; give finite world positions, shape (n, 3), at least one")
     return shown
-
-
-def _distance_that_fits(in_view: Vectors, view_angle: float, aspect: float) -> float:
-    """Smallest distance of the eye from the middle at which every corner is inside the view.
-
-    A corner (u, v, w) is seen from distance d at v / (d - w), which must not exceed the tangent of half the angle.
-    """
-    slope = tan(radians(view_angle) / 2)
-    u, v, w = in_view.T
-    return float((w + np.maximum(np.abs(v), np.abs(u) / aspect) / slope).max())

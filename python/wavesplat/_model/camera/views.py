@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 from math import hypot, inf, isfinite
 from typing import Any, NamedTuple, TypeAlias
 
+from wavesplat import _native
 from wavesplat._system import values
 from wavesplat.errors import ArgumentError
 
@@ -22,7 +23,7 @@ Vector: TypeAlias = tuple[float, float, float]
 
 
 #: Largest ratio of lengths in a picture, such as of view and volume: beyond it floats do not resolve pixels.
-FARTHEST = 1e9
+FARTHEST = _native.FARTHEST
 
 
 def check_magnitude(ratio: float, name: str) -> None:
@@ -92,33 +93,15 @@ UPRIGHT_PLANES = {
 }
 OF_BODIES, OF_OTHERS = ("axial", "coronal", "sagittal"), ("xy", "xz", "yz")
 
-#: Azimuth and elevation, degrees, of the named views; those of planes are of data other than bodies.
-#: Superior and inferior have the patient's front at the top; inferior is how radiologists look at an axial slice.
-VIEWS = {
-    "anterior": (0.0, 0.0),
-    "posterior": (180.0, 0.0),
-    "left": (90.0, 0.0),
-    "right": (-90.0, 0.0),
-    "superior": (180.0, 90.0),
-    "inferior": (0.0, -90.0),
-    "front": (0.0, 0.0),
-    "back": (180.0, 0.0),
-    "top": (180.0, 90.0),
-    "bottom": (0.0, -90.0),
-    "xy": (180.0, -90.0),
-    "xz": (180.0, 180.0),
-    "yz": (-90.0, 180.0),
-    "isometric": (150.0, 30.0),
-}
-#: The views of a body's planes.
-OF_BODY_PLANES = {"xy": "inferior", "xz": "anterior", "yz": "left"}
+#: Azimuth and elevation, degrees, of the named views (`crates/view`); those of planes are of data other than bodies.
+VIEWS: dict[str, tuple[float, float]] = _native.VIEWS
 
 
 def view_angles(name: object, *, is_anatomical: bool) -> tuple[float, float]:
     """Azimuth and elevation, degrees, of a named view; an `ArgumentError` where there is none of that name."""
     if not isinstance(name, str) or name not in VIEWS:
         raise ArgumentError(f"unknown view {name!r}; use one of: {', '.join(VIEWS)}")
-    return VIEWS[OF_BODY_PLANES.get(name, name) if is_anatomical else name]
+    return _native.view_angles(name, is_anatomical)
 
 
 def planes_of(*, is_anatomical: bool) -> tuple[str, str, str]:

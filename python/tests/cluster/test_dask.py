@@ -119,9 +119,10 @@ def _same(a, b):
 
 
 def test_blocks_have_the_bytes_of_one_machine(client, tmp_path, is_night):
+    """By day `test_lazy_pictures.py` has every operator block by block; here each second one."""
     volume, lazy = _pelvis(tmp_path)
-    scenes = _scenes(volume, is_night)
-    assert len(scenes) == (30 if is_night else 10)
+    scenes = _scenes(volume, is_night)[:: 1 if is_night else 2]
+    assert len(scenes) == (30 if is_night else 5)
     for look, clip, view, options in scenes:
         here = ws.Scene(volume, look, clip=clip).render(view, **options)
         there = ws.Scene(lazy, look, clip=clip).render(view, client=client, **options)
@@ -130,9 +131,10 @@ def test_blocks_have_the_bytes_of_one_machine(client, tmp_path, is_night):
 
 
 def test_segments_have_the_bytes_of_one_machine_with_segments(client, tmp_path, is_night):
+    """By day `test_volume_parts.py` merges every operator; here each third one."""
     volume, lazy = _pelvis(tmp_path)
     n = 0
-    for look, clip, view, options in _scenes(volume, is_night):
+    for look, clip, view, options in _scenes(volume, is_night)[:: 1 if is_night else 3]:
         if options["composite"] == "local-maximum":
             continue
         own = {**options, "depth": False, "segments": 30}
@@ -140,18 +142,18 @@ def test_segments_have_the_bytes_of_one_machine_with_segments(client, tmp_path, 
         there = ws.Scene(lazy, look, clip=clip).render(view, client=client, **own)
         assert _same(here, there), options
         n += 1
-    assert n == (27 if is_night else 9)
+    assert n == (27 if is_night else 3)
 
 
 def test_frames_have_the_bytes_of_one_machine(client, tmp_path):
     volume, lazy = _pelvis(tmp_path)
-    cameras = [ws.Camera.orbit(volume, angle, 20) for angle in (0, 40, 80, 120, 160)]
+    cameras = [ws.Camera.orbit(volume, angle, 20) for angle in (0, 40, 80)]
     told = []
     for scene in (ws.Scene(lazy, "ct-bone"), ws.Scene(volume, "ct-bone")):
         pictures = list(ws.render_frames(scene, cameras, client=client, size=(60, 50), progress=told.append))
         for picture, camera in zip(pictures, cameras, strict=True):
             assert _same(picture, ws.render(volume, "ct-bone", camera, size=(60, 50)))
-    assert told == [0.2, 0.4, 0.6, 0.8, 1.0] * 2
+    assert told == pytest.approx([1 / 3, 2 / 3, 1.0] * 2)
 
 
 def test_a_movie_is_drawn_elsewhere(client, tmp_path):
@@ -255,16 +257,17 @@ def _restart_when_busy(client):
     return thread
 
 
-def test_workers_that_are_restarted_change_nothing():
+def test_workers_that_are_restarted_change_nothing(is_night):
     """Frames ended with a bare FutureCancelledError."""
     samples = shells(64)
     lazy = _slow(samples, 0.05)
     here = ws.render(ws.Volume(samples), HARD, "isometric", size=(200, 150))
     with _two_workers() as client:
-        restarting = _restart_when_busy(client)
-        assert _same(here, ws.render(lazy, HARD, "isometric", size=(200, 150), client=client))
-        restarting.join()
-        client.wait_for_workers(2, timeout=300)
+        if is_night:  # by day frames alone, whose blocks are those of one picture
+            restarting = _restart_when_busy(client)
+            assert _same(here, ws.render(lazy, HARD, "isometric", size=(200, 150), client=client))
+            restarting.join()
+            client.wait_for_workers(2, timeout=300)
         restarting = _restart_when_busy(client)
         pictures = list(ws.render_frames(ws.Scene(lazy, HARD), ["isometric"] * 4, size=(200, 150), client=client))
         restarting.join()

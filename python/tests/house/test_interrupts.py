@@ -9,6 +9,7 @@ import threading
 
 import interrupts
 import pytest
+from cases_of_the_day import nightly
 
 from wavesplat._model.volume.wavelet_volume import interruptible
 
@@ -55,11 +56,14 @@ def test_ctrl_c_does_not_wait_for_the_work():
     "work",
     [
         "ws.WaveletVolume.from_volume(volume, psnr=60)",
-        "wavelets.to_volume()",
         "volume.smoothed(80)",
         "volume.save('a.nrrd')",
-        "ws.movie(volume, 'a.gif', ws.Turn(frames=12), size=(400, 400), device='cpu', threads=2)",
-        "ws.render(volume, size=(120, 120), quality='high', device='cpu', threads=2)",
+        # By day `test_progress.py` interrupts frames, `test_movie_command.py` movies.
+        *nightly(
+            "wavelets.to_volume()",
+            "ws.movie(volume, 'a.gif', ws.Turn(frames=12), size=(400, 400), device='cpu', threads=2)",
+            "ws.render(volume, size=(120, 120), quality='high', device='cpu', threads=2)",
+        ),
     ],
 )
 def test_ctrl_c_is_answered_long_before_the_work_is_done(work, tmp_path):

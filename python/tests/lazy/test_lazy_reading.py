@@ -229,6 +229,7 @@ class WaitsForDrawing(Chunked):
     def __init__(self, samples, chunks):
         super().__init__(samples, chunks)
         self.done, self.n_reads, self.n_overlapping, self.told = 0.0, 0, 0, threading.Condition()
+        self.patience_s = 0.0
 
     def progress(self, done):
         with self.told:
@@ -239,7 +240,7 @@ class WaitsForDrawing(Chunked):
         with self.told:
             before = self.done
             self.n_reads += 1
-            self.n_overlapping += self.told.wait_for(lambda: self.done > before, timeout=3)
+            self.n_overlapping += self.told.wait_for(lambda: self.done > before, timeout=self.patience_s)
         return super().read(lo, hi)
 
 
@@ -247,10 +248,14 @@ def test_reading_and_drawing_overlap():
     array = WaitsForDrawing(shells(192), (24, 192, 192))
     volume = lazily(array, "18 MB")
     volume.survey(0, "linear")
-    array.n_reads = array.n_overlapping = 0
     camera = ws.Camera.orbit(volume, 0, 90)
-    ws.render(volume, LOOK, camera, size=(300, 300), progress=array.progress)
-    assert array.n_reads >= 6
+    # The first blocks wait in vain, since nothing is drawn before them; where the machine is busy, all wait longer.
+    for array.patience_s in (0.3, 1.0, 3.0):
+        array.n_reads = array.n_overlapping = 0
+        ws.render(volume, LOOK, camera, size=(120, 120), progress=array.progress)
+        assert array.n_reads >= 6
+        if array.n_overlapping >= array.n_reads // 3:
+            break
     assert array.n_overlapping >= array.n_reads // 3, (array.n_overlapping, array.n_reads)
 
 

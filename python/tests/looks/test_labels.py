@@ -35,8 +35,8 @@ def test_pictures_agree_with_direct_evaluation(scan):
     camera = ws.Camera.orbit(scan, 30, 20, zoom=6, fit="view")
     light = {"shading": ws.Shading()}
     sampling = {"step": 0.1, "rays_per_pixel": 9, **light}
-    want = ws.reference.raycast(scan, "ct-soft-tissue", camera, labels=labels, size=(32, 32), **sampling)
-    settings = {"size": (32, 32), "quality": ws.Sampling(12, 3), **light}
+    want = ws.reference.raycast(scan, "ct-soft-tissue", camera, labels=labels, size=(20, 20), **sampling)
+    settings = {"size": (20, 20), "quality": ws.Sampling(12, 3), **light}
     got = ws.render(scan, "ct-soft-tissue", camera, labels=labels, **settings)
     plain = ws.render(scan, "ct-soft-tissue", camera, **settings)
     assert np.abs(got.rgba - want.rgba).mean() < 1e-3

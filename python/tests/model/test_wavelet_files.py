@@ -249,11 +249,11 @@ def lie_of_size(parts, rng):
 
 
 @pytest.mark.parametrize("damage", [flip_bit, toggle_block, spoil_value, cut, lie_of_size])
-def test_parts_at_random_are_drawn_or_refused(damage):
+def test_parts_at_random_are_drawn_or_refused(damage, is_night):
     rng = np.random.default_rng(5)
     curve = ws.TransferFunction([(0, 0.0), (10, 1.0)], [(0, 1.0, 1.0, 1.0)])
     n_refused = 0
-    for n in range(70):
+    for n in range(70 if is_night else 21):
         shape, family = tuple(rng.integers(2, 30, 3).tolist()), FAMILIES[n % len(FAMILIES)]
         volume = ws.Volume(rng.normal(0, 10, shape).astype(np.float32))
         wavelets = ws.WaveletVolume.from_volume(volume, family, keep=rng.uniform(0, 0.5))

@@ -8,7 +8,7 @@ import pytest
 
 STUDIES = Path(__file__).parents[3] / "studies" / "scenes"
 
-SEED, N, N_BY_DAY = 41, 40, 14
+SEED, N, N_BY_DAY = 41, 40, 7
 
 #: PSNR of the scenes of this seed that have less than `MIN_DB` at quality normal, and the reason.
 REASONS: dict[int, tuple[float, str]] = {
@@ -50,7 +50,7 @@ def test_pictures_are_those_of_the_reference(study, found):
 def test_geometry_among_them_is_that_of_the_reference(study, is_night):
     parts = study.generator.Parts(geometry=True)
     found = []
-    for number in range(16 if is_night else 6):
+    for number in range(16 if is_night else 3):
         drawn = study.generator.scene(SEED, number, parts)
         found.append(study.psnr_db(drawn.draw("high"), drawn.cast(step=0.2)))
     # Most pixels of so small a picture are edges of shapes.

@@ -111,10 +111,10 @@ def test_rates_are_measured_where_they_are_not_given():
 
 
 def test_levels_are_planned_by_what_a_picture_needs():
-    levels = [Promised((2000, 2000, 2000), (100,) * 3), Promised((500, 500, 500), (100,) * 3)]
+    levels = [Promised((1000, 1000, 1000), (100,) * 3), Promised((250, 250, 250), (100,) * 3)]
     lazy = ws.Volume.lazy(levels, memory="2 GB")
-    small = ws.plan(lazy, size=(256, 256), read_rate="1 GB", draw_ns=4)
-    large = ws.plan(lazy, size=(3000, 3000), read_rate="1 GB", draw_ns=4)
+    small = ws.plan(lazy, size=(128, 128), read_rate="1 GB", draw_ns=4)
+    large = ws.plan(lazy, size=(1500, 1500), read_rate="1 GB", draw_ns=4)
     assert (small.level, large.level) == (1, 0)
     assert small.bytes_read < large.bytes_read / 30
 

@@ -9,6 +9,7 @@ import sys
 import numpy as np
 import pytest
 import viewer_fakes
+from cases_of_the_day import nightly
 from PIL import Image
 
 import wavesplat as ws
@@ -181,7 +182,12 @@ def variants(pelvis):
 
 
 @pytest.mark.parametrize(
-    "name", ["as it is", "turned", "perspective", "cut", "look", "operator", "surface", "sampling", "faded"]
+    "name",
+    [
+        *("cut", "look", "sampling", "faded"),
+        # By day `test_viewer_short.py` has operators and kernels; a camera is told in each case.
+        *nightly("as it is", "turned", "perspective", "operator", "surface"),
+    ],
 )
 def test_python_and_command_draw_the_picture_at_rest(pelvis, name, tmp_path, monkeypatch):
     state = variants(pelvis)[name]

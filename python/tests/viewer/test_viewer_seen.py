@@ -89,7 +89,14 @@ def test_the_line_of_a_distance_lies_between_its_points():
     assert abs((columns.max() - columns.min()) - length) < 10
 
 
-@pytest.mark.parametrize(("shown", "marks"), [("3d", True), ("z", True), ("x", False), ("all", True)])
+@pytest.mark.parametrize(
+    ("shown", "marks"),
+    [
+        *(("x", False), ("all", True)),
+        pytest.param("3d", True, marks=pytest.mark.nightly),  # by day it is a part of "all"
+        pytest.param("z", True, marks=pytest.mark.nightly),  # by day "x"
+    ],
+)
 def test_the_copied_code_draws_the_same_pixels(pelvis, shown, marks, tmp_path, monkeypatch):
     state = changed(pelvis, color_bar=shown == "all").patched(
         [{"op": "replace", "path": "/view/slices/zoom", "value": 1.5}]

@@ -37,8 +37,9 @@ def session():
     made.close()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def server(session):
+    """One server for all tests: each asks it for a link of its own."""
     made = Server()
     made.show(session)
     yield made
@@ -301,7 +302,8 @@ def test_the_file_with_the_link_is_deleted_when_a_page_is_let_in(server, monkeyp
     assert not file.parent.exists()
 
 
-def test_nothing_is_told_before_a_hello(server):
+def test_nothing_is_told_before_a_hello(server, monkeypatch):
+    monkeypatch.setattr("wavesplat._viewer.server.server.HELLO_S", 0.3)
     got, code = talk(server, n=1)
     assert got == []
     assert code == 4401

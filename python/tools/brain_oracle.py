@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -27,10 +28,14 @@ import wavesplat as ws  # noqa: E402
 from wavesplat.errors import WavesplatError  # noqa: E402
 
 #: Files and folders that the study of looks leaves out.
-OTHERS = (
-    *("ct_pelvis_right.nii.gz", "dicom_12bit", "dicom_ct_gantry_tilt", "dicom_ct_transfer_syntaxes"),
-    *("dicom_mr_missing_slice", "mhd_case", "omezarr_v2_mni_axial.ome.zarr", "omezarr_v3_mouse_brain_sharded.ome.zarr"),
-)
+OTHERS = [
+    *(looks.Case(path) for path in ("ct_pelvis_right.nii.gz", "dicom_ct_gantry_tilt", "dicom_mr_missing_slice")),
+    *(looks.Case("dicom_12bit", {"time": time}) for time in range(3)),
+    *(looks.Case(f"nifti_cases/orient_{axes}.nii.gz") for axes in ("AIL", "IRA", "LPS", "LSA", "PSR", "RIP", "SPL")),
+    looks.Case("mhd_case/ct_abdomen_pelvis_lower.mhd"),
+    *(looks.Case("dicom_multiframe/philips_fieldmap_64frames.dcm", {"time": time}) for time in range(2)),
+    looks.Case("omezarr_v3_mouse_brain_sharded.ome.zarr"),
+]
 
 
 def main() -> int:
@@ -63,26 +68,20 @@ def main() -> int:
 
 
 def _lines_of_files(folder: Path) -> Iterator[tuple[str, brain_lines.Line]]:
-    for case in [*looks.CASES, *map(looks.Case, OTHERS)]:
+    for case in [*looks.CASES, *OTHERS]:
         path = folder / case.path
         if not path.exists():
             print(f"files: not there: {case.path}")
             continue
-        line = brain_lines.line_of_volume(lambda path=path, case=case: _opened(path, case.options))
-        yield f"{case.name} {line['volume']['content'] if 'volume' in line else 'not opened'}", line
-
-
-def _opened(path: Path, options: dict[str, Any]) -> ws.Volume:
-    import warnings
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        found = ws.open(path, **options)
-    if not isinstance(found, ws.Volume):
-        found = found[0] if isinstance(found, ws.Series) else found
-    if not hasattr(found, "value_range"):
-        raise WavesplatError(f"a {type(found).__name__}")
-    return found
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                volume = ws.open(path, **case.options)
+        except WavesplatError as error:
+            print(f"files: not opened: {error}")
+            continue
+        line = brain_lines.line_of_volume(lambda volume=volume: volume)
+        yield f"{case.name} {line['volume']['content']}", line
 
 
 if __name__ == "__main__":

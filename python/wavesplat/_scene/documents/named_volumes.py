@@ -218,7 +218,7 @@ def volume_named(source: Any, what: str, reach: Reach) -> Volume | WaveletVolume
 
 def _example(options: dict[str, Any], what: str) -> Any:
     name = options.pop("example")
-    if name not in EXAMPLES:
+    if not isinstance(name, str) or name not in EXAMPLES:
         raise ArgumentError(f"{what}: there is no example {described(name)}; they are {', '.join(EXAMPLES)}")
     return _called(EXAMPLES[name], options, what)
 

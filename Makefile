@@ -140,7 +140,7 @@ bench-shapes: $(STAMPS)/tools $(STAMPS)/released ## time surfaces, lines and poi
 scene-hashes: $(STAMPS)/package ## draw 100 scenes and print a hash of each; SCENES="--compare FILE" holds them to others
 	python benches/scene_hashes.py $(SCENES)
 
-brain-oracle: $(STAMPS)/package ## draw kinds, looks, windows and cameras of many volumes and compare with the kept lines; DATA=FOLDER, BRAIN=--keep
+brain-oracle: $(STAMPS)/package ## draw kinds, looks, windows and cameras of many volumes, read many documents, and compare with the kept lines; DATA=FOLDER, BRAIN=--keep
 	python python/tools/brain_oracle.py $(if $(DATA),--data $(DATA)) $(BRAIN)
 
 roofline: $(STAMPS)/released ## time by stage against the limits of a core, with perf; ROOFLINE="--record" keeps it

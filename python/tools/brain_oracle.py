@@ -1,6 +1,6 @@
 """Draws all that the program decides by itself about many volumes, and prints what differs from the kept lines.
 
-    make brain-oracle                       phantoms, bundled volumes, presets, colour maps, numbers
+    make brain-oracle                       phantoms, bundled volumes, presets, colour maps, numbers, documents
     make brain-oracle DATA=../shared/data   the volumes of a folder too: those of `make looks`, and others
     make brain-oracle BRAIN=--keep          keep the lines as they are now
 

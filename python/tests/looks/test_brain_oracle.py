@@ -1,6 +1,7 @@
 """What the program decides by itself about many volumes stays to the bit: kinds, curves, windows, cameras.
 
-`make brain-oracle` prints all differences, and writes the lines anew where a change of them is meant.
+Valid and damaged documents are read, or refused, in the words that are kept. `make brain-oracle` prints all
+differences, and writes the lines anew where a change of them is meant.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """The lines of the oracle: all that the program decides by itself about a volume, floats as hexadecimal texts.
 
-`python/tests/fixtures/brain` keeps them, and `python/tools/brain_oracle.py` draws them anew.
+Documents have what readers answer (`brain_documents.py`). `python/tests/fixtures/brain` keeps all lines, and
+`python/tools/brain_oracle.py` draws them anew.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import brain_documents
 import cmap
 import numpy as np
 from brain_phantoms import ct, flame, head, noise, phantoms, signed, spots
@@ -313,6 +315,7 @@ def groups() -> dict[str, Callable[[], Iterable[tuple[str, Line]]]]:
         "presets": lines_of_presets,
         "maps": lines_of_maps,
         "numbers": lines_of_numbers,
+        "documents": brain_documents.lines,
     }
 
 
@@ -324,7 +327,7 @@ def kept(group: str) -> dict[str, Line]:
 
 def keep(group: str, lines: dict[str, Line]) -> None:
     """Write the lines of a group."""
-    text = "".join(json.dumps(item, ensure_ascii=False) + "\n" for item in lines.items())
+    text = "".join(json.dumps(item) + "\n" for item in lines.items())
     FOLDER.mkdir(exist_ok=True)
     (FOLDER / f"{group}.jsonl.xz").write_bytes(lzma.compress(text.encode("utf-8"), preset=9 | lzma.PRESET_EXTREME))
 

@@ -9,6 +9,7 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
+from cases_of_the_day import nightly
 from test_camera import axes
 
 import wavesplat as ws
@@ -20,7 +21,8 @@ CT = files("wavesplat") / "data" / "ct_pelvis" / "ct_pelvis.nii.gz"
 SMALL = ("--preset", "ct-bone", "--size", "32x24", "--quality", "draft")
 
 
-@pytest.mark.parametrize("name", ["turn.mp4", "turn.webm", "turn.gif", "turn.webp"])
+# By day a video and an animated picture; others differ by a codec.
+@pytest.mark.parametrize("name", ["turn.mp4", "turn.gif", *nightly("turn.webm", "turn.webp")])
 def test_a_turn_of_a_file_is_that_of_python(wavesplat, tmp_path, name):
     pytest.importorskip("av")
     told = wavesplat("movie", CT, "-o", tmp_path / name, "--turn", 3, "--elevation", 10, *SMALL)
@@ -87,7 +89,7 @@ def test_mistakes_are_told_before_anything_is_drawn(wavesplat, tmp_path, options
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, *nightly(signal.SIGTERM)])  # by day `test_hostile_places.py` has it
 def test_a_movie_that_is_interrupted_leaves_nothing(tmp_path, number):
     command = [sys.executable, "-m", "wavesplat", "movie", str(CT), "-o", str(tmp_path / "turn.gif"), "--turn", "3000"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as running:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cases_of_the_day import nightly
 
 import wavesplat as ws
 
@@ -22,7 +23,8 @@ def _grow(field: np.ndarray, step: int) -> None:
 
 
 @pytest.mark.skipif(not STATM.exists(), reason="needs Linux's count of a process's memory")
-@pytest.mark.parametrize("has_look", [False, True])
+# By day with a look; `test_memory_budget.py` has looks that are chosen.
+@pytest.mark.parametrize("has_look", [True, *nightly(False)])
 def test_steps_take_no_memory(has_look: bool) -> None:
     field = np.zeros((SIDE,) * 3, np.float32)
     volume = ws.Volume(field, name="waves")

@@ -90,7 +90,8 @@ def random_camera(rng: np.random.Generator, bounds: NDArray[np.float64]) -> ws.C
     return ws.Camera((float(place[0]), float(place[1]), float(place[2])), focal, up, **lens)
 
 
-@pytest.mark.parametrize("seed", range(30))
+# By day twelve trees.
+@pytest.mark.parametrize("seed", [*range(12), *(pytest.param(n, marks=pytest.mark.nightly) for n in range(12, 30))])
 def test_parts_of_random_trees_give_the_picture_of_the_whole(seed: int) -> None:
     rng = np.random.default_rng(seed)
     whole = field(seed=seed)

@@ -108,6 +108,7 @@ def test_small_memory_means_pages(device):
     assert alike(by_cpu, whole)
 
 
+@pytest.mark.nightly  # by day: one volume has pages in `test_small_memory_means_pages`
 def test_one_volume_in_two_layers_has_pages_for_each(device):
     z, y, x = np.ogrid[-1:1:140j, -1:1:150j, -1:1:150j]
     volume = ws.Volume((255 * np.clip(1.1 - np.sqrt(x * x + y * y + z * z), 0, 1)).astype(np.uint8))

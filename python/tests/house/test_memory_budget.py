@@ -56,10 +56,11 @@ def large(tmp_path):
     return tmp_path / "large.zarr"
 
 
-def test_a_zarr_array_is_drawn_within_its_budget(large, tmp_path):
+def test_a_zarr_array_is_drawn_within_its_budget(large, tmp_path, is_night):
     """F7: a picture within 300 MB took 637 MB; this one took 231 MB, and takes 157."""
     peaks = []
-    for origin in ("computed", "from the cache"):
+    # By day `test_lazy_looks.py` draws by bounds that were kept.
+    for origin in ("computed", "from the cache")[: 2 if is_night else 1]:
         told = fresh(large, "24 MB", tmp_path / "cache")
         assert told["surveys"] == [origin]
         assert told["alpha"] > 0.1

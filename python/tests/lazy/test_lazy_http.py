@@ -80,13 +80,14 @@ def serve(tmp_path):
 def test_the_first_picture_is_quick_and_small(serve, tmp_path, takes_ranges):
     # Noise, so that chunks do not shrink to nothing.
     rng = np.random.default_rng(1)
-    samples = np.where(shells(256) > 40, shells(256) // 2 + rng.integers(0, 100, (256,) * 3), 0).astype(np.uint8)
+    made = shells(256)
+    samples = np.where(made > 40, made // 2 + rng.integers(0, 100, (256,) * 3), 0).astype(np.uint8)
     samples += rng.integers(0, 8, samples.shape, np.uint8)
     ome_zarr(tmp_path / "image.zarr", samples, n_levels=5, chunk=32)
     address, sent = serve(takes_ranges)
     begun = time.monotonic()
     volume = ws.open(f"{address}/image.zarr", memory="50 MB", channel=0)
-    pictures = ws.progressive(ws.Scene(volume, LOOK), "isometric", size=(400, 300))
+    pictures = ws.progressive(ws.Scene(volume, LOOK), "isometric", size=(200, 150))
     first = next(pictures)
     took = time.monotonic() - begun
     stored = sum(f.stat().st_size for f in (tmp_path / "image.zarr" / "0" / "c" / "0" / "0").rglob("*") if f.is_file())
@@ -97,7 +98,7 @@ def test_the_first_picture_is_quick_and_small(serve, tmp_path, takes_ranges):
     pictures.close()
     # Pictures are the same as from the files.
     local = ws.open(tmp_path / "image.zarr", memory="50 MB", channel=0)
-    options = {"size": (200, 150), "camera": first.camera}
+    options = {"size": (100, 75), "camera": first.camera}
     drawn = [ws.Scene(one.at_level(1), LOOK).render(**options) for one in (volume, local)]
     assert np.array_equal(*(picture.rgba for picture in drawn))
 
@@ -139,7 +140,7 @@ def test_shards_cost_what_their_chunks_cost(serve, tmp_path):
         array[:] = samples
         address, sent = serve()
         volume = ws.open(f"{address}/{name}.zarr", memory="8 MB")
-        ws.render(volume, ws.TransferFunction([(0, 0.0), (255, 0.02)], [(0, 1, 1, 1)]), size=(200, 200))
+        ws.render(volume, ws.TransferFunction([(0, 0.0), (255, 0.02)], [(0, 1, 1, 1)]), size=(100, 100))
         n_bytes[name] = sum(n for _, n in sent)
         local = ws.open(tmp_path / f"{name}.zarr", memory="8 MB")
         assert local.arrays(0).chunks == volume.arrays(0).chunks == (16, 32, 32)

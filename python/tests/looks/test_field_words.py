@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 import typer
+from cases_of_the_day import nightly
 
 import wavesplat as ws
 from wavesplat._cli import COMMANDS, hints, options_of
@@ -120,8 +121,9 @@ def test_windows_of_radiologists_are_limits(wavesplat, tmp_path, window):
 # wavesplat tf ---------------------------------------------------------------------------------------------------------
 
 
+# By day without options and with two; presets and operators are printed as maps are.
 @pytest.mark.parametrize(
-    "options", [[], ["--preset", "grey"], ["--composite", "mip"], ["--cmap", "hot", "--clim", "9,99"]]
+    "options", [[], ["--cmap", "hot", "--clim", "9,99"], *nightly(["--preset", "grey"], ["--composite", "mip"])]
 )
 def test_the_look_that_is_printed_draws_the_same(wavesplat, ramp_file, tmp_path, options):
     done = wavesplat("tf", ramp_file, *options)

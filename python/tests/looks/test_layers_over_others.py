@@ -131,9 +131,9 @@ def maps(nth):
 
 
 def test_no_colour_map_hides_the_rest(scan, matter, alone, layers, is_night):
-    """Maps, without a window and with one, over values of one sign and of two: all at night, a fifth by day."""
+    """Maps, without a window and with one, over values of one sign and of two: all at night, a tenth by day."""
     hidden, pale = [], []
-    for name in maps(1 if is_night else 5):
+    for name in maps(1 if is_night else 10):
         for kind, window in (("any", None), ("any", (1.0, 8.0)), ("signed", None), ("signed", (-10.0, 10.0))):
             if (kind == "signed") != is_diverging(name) and kind == "signed":
                 continue  # their background is in the middle of a map that has none

@@ -8,6 +8,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from cases_of_the_day import nightly
 from figure_pictures import (
     ALPHA,
     GREEN,
@@ -89,7 +90,8 @@ def test_inverted_projections_have_inverted_bars():
         assert sum(ramp.stops[-1 - darkest][1]) > 2.9
 
 
-@pytest.mark.parametrize("suffix", ["png", "jpg", "webp", "tif", "svg", "pdf"])
+# By day one file of pixels and both of vectors.
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf", *nightly("jpg", "webp", "tif")])
 def test_figures_from_the_command_line(wavesplat, tmp_path, suffix):
     scan = files("wavesplat") / "data" / "ct_pelvis" / "ct_pelvis.nii.gz"
     out = tmp_path / f"a.{suffix}"

@@ -25,12 +25,13 @@ def study():
         yield module
 
 
-def test_random_functions_are_integrated(study):
-    errors = [study.measured(case) for case in study.cases(seed=20, n=54)]
+def test_random_functions_are_integrated(study, is_night):
+    errors = [study.measured(case) for case in study.cases(seed=20, n=54 if is_night else 27)]
     faults = [f"{e.case.kind}: {fault}" for e in errors for fault in e.faults()]
     assert faults == []
 
 
+@pytest.mark.nightly  # by day: `test_a_thin_peak_is_integrated` at every quality
 def test_a_better_quality_is_no_worse_on_a_ball(study):
     case = study.Case("peak", [(49.8, 0), (50, 1), (50.2, 0)], [(0, 1, 1, 1)], None, 16, 0, 0)
     psnr_db = study.ball_psnr_db(case)

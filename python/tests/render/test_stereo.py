@@ -226,12 +226,12 @@ def test_eyes_of_a_panorama_are_beside_each_other_in_every_direction():
         columns = []
         for layout in ("left", "right"):
             stereo = ws.Stereo(layout, eye_distance=2)
-            options = {"size": (720, 360), "device": "cpu"}
+            options = {"size": (360, 180), "device": "cpu"}
             picture = ws.render(point_at(*at), POINT, camera, shading=None, panorama=True, stereo=stereo, **options)
             columns.append(place_of(picture.rgba)[0])
         distance = np.linalg.norm(np.subtract(at, MIDDLE))
         # The left eye sees it farther to the right, by the angle of half the distance on each side.
-        assert columns[0] - columns[1] == pytest.approx(2 * asin(1 / distance) * 720 / (2 * pi), rel=0.05)
+        assert columns[0] - columns[1] == pytest.approx(2 * asin(1 / distance) * 360 / (2 * pi), rel=0.05)
 
 
 def test_a_view_by_name_is_seen_from_the_middle():

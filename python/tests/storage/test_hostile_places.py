@@ -37,7 +37,7 @@ def run(*arguments, cwd=None, stdout=subprocess.PIPE, shell_closes="", code=None
 
 def says(done, message, code=1):
     """Check the exit code, and that stderr is one sentence with a message."""
-    stderr = done.stderr.decode("utf-8", "replace")
+    stderr = done.stderr if isinstance(done.stderr, str) else done.stderr.decode("utf-8", "replace")
     assert done.returncode == code, stderr
     assert stderr.startswith("wavesplat: error: ")
     assert stderr.count("\n") == 1
@@ -76,33 +76,35 @@ def locked(tmp_path):
 @pytest.mark.parametrize(
     "name", ["a.nii.gz", "a.npy", "a.nrrd", "a.tif", "a.h5", "a.vti", "a.dcm", "a.raw", "a", "a.wavelets"]
 )
-def test_a_pipe_as_input(tmp_path, name):
+def test_a_pipe_as_input(wavesplat, tmp_path, name):
     os.mkfifo(tmp_path / name)
-    says(run("info", tmp_path / name), "not a file but a device, a pipe or a socket; copy what it gives to a file")
+    says(
+        wavesplat("info", tmp_path / name), "not a file but a device, a pipe or a socket; copy what it gives to a file"
+    )
     options = ["--shape", "2,2,2", "--dtype", "uint8"]
     if name == "a.raw":
-        says(run("info", tmp_path / name, *options), "not a file but a device, a pipe")
+        says(wavesplat("info", tmp_path / name, *options), "not a file but a device, a pipe")
 
 
 @pytest.mark.parametrize("name", ["pipe", "pipe.tif", "zarr.json"])
-def test_a_folder_with_a_pipe(tmp_path, name):
+def test_a_folder_with_a_pipe(wavesplat, tmp_path, name):
     (tmp_path / "series").mkdir()
     os.mkfifo(tmp_path / "series" / name)
-    says(run("info", tmp_path / "series"), f"the folder holds '{name}', which is a device, a pipe or a socket")
+    says(wavesplat("info", tmp_path / "series"), f"the folder holds '{name}', which is a device, a pipe or a socket")
     (tmp_path / "series" / "a.dcm").write_bytes(bytes(200))
-    says(run("info", tmp_path / "series" / "a.dcm"), f"the folder holds '{name}', which is a device")
+    says(wavesplat("info", tmp_path / "series" / "a.dcm"), f"the folder holds '{name}', which is a device")
 
 
 @pytest.mark.parametrize("option", ["--tf", "--label-table", "--materials"])
-def test_a_pipe_as_a_table(tmp_path, volume, option):
+def test_a_pipe_as_a_table(wavesplat, tmp_path, volume, option):
     os.mkfifo(tmp_path / "pipe.json")
     more = ["--labels", volume] if option == "--label-table" else []
-    done = run("render", volume, "-o", tmp_path / "a.png", option, tmp_path / "pipe.json", *more)
+    done = wavesplat("render", volume, "-o", tmp_path / "a.png", option, tmp_path / "pipe.json", *more)
     says(done, "not a file but a device, a pipe")
 
 
-def test_a_device_as_a_table(volume, tmp_path):
-    says(run("render", volume, "-o", tmp_path / "a.png", "--tf", "/dev/zero"), "not a file but a device")
+def test_a_device_as_a_table(wavesplat, volume, tmp_path):
+    says(wavesplat("render", volume, "-o", tmp_path / "a.png", "--tf", "/dev/zero"), "not a file but a device")
 
 
 # Names ----------------------------------------------------------------------------------------------------------------
@@ -147,17 +149,17 @@ def test_a_volume_may_have_any_name():
 
 
 @pytest.mark.parametrize("name", ["x" * 300 + ".npy", "y" * 5000 + "/a.npy", "~nobody-here/a.npy", "a\n\tb.npy"])
-def test_names_that_are_none(tmp_path, name):
-    done = run("info", name, cwd=tmp_path)
+def test_names_that_are_none(wavesplat, tmp_path, name):
+    done = wavesplat("info", name, cwd=tmp_path)
     says(done, "")
 
 
 @pytest.mark.parametrize(
     ("name", "message"), [("x" * 300 + ".png", "File name too long; shorten the name"), ("no/a.png", "does not exist")]
 )
-def test_names_of_outputs_that_are_none(volume, tmp_path, name, message):
-    says(run("render", volume, "-o", tmp_path / name), message)
-    says(run("render", volume, "-o", tmp_path / "a.png", "--report", tmp_path / name), message)
+def test_names_of_outputs_that_are_none(wavesplat, volume, tmp_path, name, message):
+    says(wavesplat("render", volume, "-o", tmp_path / name), message)
+    says(wavesplat("render", volume, "-o", tmp_path / "a.png", "--report", tmp_path / name), message)
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["a.npy"]
 
 
@@ -230,7 +232,7 @@ def test_a_working_folder_that_was_deleted(volume, tmp_path, output):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a disk that is full")
-@pytest.mark.parametrize("json", [[], ["--json"]])
+@pytest.mark.parametrize("json", [pytest.param([], marks=pytest.mark.nightly), ["--json"]])  # by day the longer one
 def test_results_to_a_full_disk(volume, tmp_path, json):
     out = tmp_path / "a.png"
     with Path("/dev/full").open("wb") as full:

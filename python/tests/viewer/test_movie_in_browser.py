@@ -3,6 +3,7 @@
 import browser
 import numpy as np
 import pytest
+from cases_of_the_day import nightly
 
 import wavesplat as ws
 
@@ -10,7 +11,8 @@ pytest.importorskip("av")
 pytestmark = pytest.mark.skipif(browser.chromium() is None, reason="no Chromium: apt-get install chromium")
 
 
-@pytest.mark.parametrize("suffix", [".mp4", ".webm"])
+# By day one kind of video plays.
+@pytest.mark.parametrize("suffix", [".mp4", *nightly(".webm")])
 def test_a_turn_plays_in_chromium(tmp_path, suffix):
     volume, look, n = ws.examples.ripples(24), ws.TransferFunction.from_colormap("viridis", clim=(0, 255)), 12
     turn = ws.Turn(frames=n, elevation=20)

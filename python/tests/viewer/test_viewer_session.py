@@ -80,9 +80,12 @@ def test_a_page_that_confirms_nothing_gets_two_frames_and_costs_nothing(session)
         time.sleep(0.01)
     time.sleep(0.3)
     assert len(page.frames()) == 2
-    begun = time.process_time()
-    time.sleep(1.0)
-    assert time.process_time() - begun < 0.2
+    used = []
+    while min(used, default=9.0) >= 0.1 and len(used) < 5:  # threads of other tests may end meanwhile
+        begun = time.process_time()
+        time.sleep(0.5)
+        used.append(time.process_time() - begun)
+    assert min(used) < 0.1, used
 
 
 def test_a_slow_renderer_is_never_more_than_one_request_behind(session, monkeypatch):

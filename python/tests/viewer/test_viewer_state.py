@@ -103,11 +103,14 @@ def test_what_a_patch_does_not_touch_is_shared(pelvis):
 
 
 def test_turning_the_camera_takes_no_time(pelvis):
-    state, begun = pelvis, time.perf_counter()
-    for degrees in range(100):
-        state = state.patched([viewer_fakes.turned(pelvis.camera, degrees)])
+    state, took = pelvis, []
+    while min(took, default=9.0) >= 1.0 and len(took) < 5:  # other processes may hold the cores
+        begun = time.perf_counter()
+        for degrees in range(100):
+            state = state.patched([viewer_fakes.turned(pelvis.camera, degrees)])
+        took.append(time.perf_counter() - begun)
     # A patch takes 0.15 ms on an idle machine.
-    assert time.perf_counter() - begun < 1.0
+    assert min(took) < 1.0, took
 
 
 @pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)

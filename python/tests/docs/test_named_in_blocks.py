@@ -103,9 +103,9 @@ def test_what_blocks_name_is_there(page):
 
 
 def test_names_that_are_not_there_are_found():
-    assert mistakes_in_python("ws.rendr(v)") == ["ws.rendr"]
-    assert mistakes_in_python("ws.Camera.orbitt(v)") == ["ws.Camera.orbitt"]
-    assert mistakes_in_python("ws.render(v, sise=3)") == ["ws.render(sise=)"]
+    assert mistakes_in_python("ws.drawn(v)") == ["ws.drawn"]
+    assert mistakes_in_python("ws.Camera.orbited(v)") == ["ws.Camera.orbited"]
+    assert mistakes_in_python("ws.render(v, breadth=3)") == ["ws.render(breadth=)"]
     assert mistakes_in_python("volume.smoothed(sigmas=1)") == ["volume.smoothed(sigmas=)"]
-    for line in ("wavesplat rendr a", "wavesplat render a --sise 3", "wavesplat render a -o"):
+    for line in ("wavesplat drawn a", "wavesplat render a --breadth 3", "wavesplat render a -o"):
         assert len(mistakes_in_commands(line)) == 1, line

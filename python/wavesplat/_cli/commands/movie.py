@@ -10,7 +10,8 @@ from wavesplat._cli.options.figure import MarkOptions, check_marks, marks_of
 from wavesplat._cli.options.groups import Input, Json, Quiet, option, output
 from wavesplat._cli.options.layers import times_of
 from wavesplat._cli.options.opened_layers import first_layers
-from wavesplat._cli.options.scene import ChosenScene, PictureOptions, chosen_scene
+from wavesplat._cli.options.picture import PictureOptions
+from wavesplat._cli.options.scene import ChosenScene, chosen_scene
 from wavesplat._cli.options.view import camera_for, eye_arguments, given_camera, unit_of
 from wavesplat._cli.printing import check_outputs, is_terminal, message, print_result
 from wavesplat.errors import ArgumentError

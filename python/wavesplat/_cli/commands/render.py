@@ -14,7 +14,8 @@ from wavesplat._cli.batches import Batch
 from wavesplat._cli.options.figure import FigureOptions, MarkOptions, annotated, check_figure
 from wavesplat._cli.options.groups import InputOrNone, Json, PictureOutput, Quiet, bits, option
 from wavesplat._cli.options.layers import names_of_pictures, times_of
-from wavesplat._cli.options.scene import ChosenScene, PictureOptions, chosen_scene
+from wavesplat._cli.options.picture import PictureOptions
+from wavesplat._cli.options.scene import ChosenScene, chosen_scene
 from wavesplat._cli.options.view import camera_for, eye_arguments
 from wavesplat._cli.printing import (
     check_outputs,

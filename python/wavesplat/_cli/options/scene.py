@@ -1,15 +1,15 @@
-"""Options of a scene and of its picture, and the scene that they make with those of layers, cuts and light."""
+"""Options of a scene, and the scene that they make with those of layers, cuts and light."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from wavesplat._cli.options import parsers
 from wavesplat._cli.options.crop import CutOptions, chosen_clip
 from wavesplat._cli.options.geometry import GeometryOptions, opened_geometry
-from wavesplat._cli.options.groups import background, family, kernel, option, part, picture_size, threads, threshold
+from wavesplat._cli.options.groups import background, family, option, part, threshold
 from wavesplat._cli.options.layers import color_layer, further_layers
 from wavesplat._cli.options.opened_layers import (
     Channels,
@@ -27,9 +27,9 @@ from wavesplat._cli.options.transfer_function import (
     chosen_shading,
     exposure_of,
 )
-from wavesplat._cli.options.view import EyeOptions, ViewOptions, check_eyes, check_view_options, unit_of
+from wavesplat._cli.options.view import unit_of
 from wavesplat._cli.printing import message
-from wavesplat._model.arguments.sampling import BY_VIEW, Composite, Quality
+from wavesplat._model.arguments.sampling import BY_VIEW, Composite
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -119,55 +119,6 @@ class SceneOptions:
         parsers.refuse_pairs(crop=self.cuts.crop, crop_index=self.cuts.crop_index)
         if self.showing.operator is not None:
             _operator(self.showing.operator, self.showing)
-
-
-@dataclass(repr=False)
-class SamplingOptions:
-    """Kernel, quality, threads and device. Without a quality, what is drawn has its own: "normal" for pictures."""
-
-    TITLE: ClassVar = "Size and quality"
-
-    size: Any = picture_size()
-    kernel: Any = kernel()
-    quality: Any = option(
-        help=f"{', '.join(get_args(Quality))}. Normal if not given; of movies between draft and normal.",
-        choices=get_args(Quality),
-    )
-    sheets_per_slice: float | None = option("N", "Instead of what the quality says.")
-    oversampling: float | None = option("N", "Instead of what the quality says.")
-    psnr: float | None = option("DB", "Choose both for this PSNR against the converged picture.")
-    threads: int | None = threads()
-    device: str = option(
-        "NAME", "What draws: auto, cpu, gpu, or part of a GPU's name (gpu-check lists them).", default="auto"
-    )
-
-    def arguments(self) -> dict[str, Any]:
-        """The options but the size as arguments of `Scene.render`."""
-        from wavesplat._model.arguments.sampling import Sampling
-
-        return {
-            "kernel": self.kernel,
-            "quality": Sampling(self.sheets_per_slice, self.oversampling, self.quality or "normal"),
-            "psnr": self.psnr,
-            "threads": self.threads,
-            "device": self.device,
-        }
-
-
-@dataclass(repr=False)
-class PictureOptions:
-    """A scene, and how it is seen and drawn."""
-
-    scene: SceneOptions = part(SceneOptions)
-    viewing: ViewOptions = part(ViewOptions)
-    eyes: EyeOptions = part(EyeOptions)
-    sampling: SamplingOptions = part(SamplingOptions)
-
-    def check(self) -> None:
-        """Refuse options that cannot work, before anything is read."""
-        self.scene.check()
-        check_view_options(self.viewing)
-        check_eyes(self.eyes)
 
 
 class ChosenScene(NamedTuple):

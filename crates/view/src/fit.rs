@@ -20,7 +20,7 @@ pub enum Fit {
     View,
 }
 
-/// What is to be in view, and through which lens.
+/// A volume or points to be in view, and the lens that they are seen through.
 #[derive(Clone, Copy, Debug)]
 pub struct InView<'a> {
     corners: &'a [DVec3],

@@ -1,4 +1,4 @@
-"""What blocks of the pages name is there: functions, attributes, keywords, commands and options.
+"""Names in blocks of the pages exist: functions, attributes, keywords, commands and options.
 
 By day few pages run (see `test_pages.py`); this holds all of them, without running a block.
 """
@@ -33,7 +33,7 @@ def of_ws(node: ast.AST) -> list[str] | None:
 
 
 def found(words: list[str]) -> object:
-    """What `ws.a.b` is; None where there is nothing of this name."""
+    """The value of `ws.a.b`; None where there is nothing of this name."""
     thing: object = ws
     for word in words:
         thing = getattr(thing, word, None)
@@ -50,7 +50,7 @@ def takes(function: object, keyword: str) -> bool:
 
 
 def mistakes_in_python(code: str) -> list[str]:
-    """What a block names that the package does not have."""
+    """Names of a block that the package does not have."""
     wrong = []
     nodes = list(ast.walk(ast.parse(code)))
     others = {alias.asname or alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}

@@ -1,4 +1,4 @@
-"""What the program decides by itself about many volumes stays to the bit: kinds, curves, windows, cameras.
+"""Decisions of the program about many volumes stay to the bit: kinds, curves, windows, cameras.
 
 Valid and damaged documents are read, or refused, in the words that are kept. `make brain-oracle` prints all
 differences, and writes the lines anew where a change of them is meant.

@@ -114,7 +114,7 @@ READERS: dict[str, Callable[[str], str]] = {
 
 
 def answer(reader: str, text: str) -> dict[str, Any]:
-    """What a reader makes of a text: the document that it writes, or its message, and warnings."""
+    """The answer of a reader to a text: the document that it writes, or its message, and warnings."""
     with warnings.catch_warnings(record=True) as given:
         warnings.simplefilter("always")
         try:

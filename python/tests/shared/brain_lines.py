@@ -85,7 +85,7 @@ def hash_of_array(array: np.ndarray) -> str:
 
 
 def found(make: Callable[[], Any]) -> Any:
-    """What a function returns, or its error, with the warnings that it gives."""
+    """The result of a function, or its error, with the warnings that it gives."""
     with warnings.catch_warnings(record=True) as given:
         warnings.simplefilter("always")
         try:
@@ -303,7 +303,7 @@ def _statistics(values: np.ndarray) -> Line:
 
 
 def groups() -> dict[str, Callable[[], Iterable[tuple[str, Line]]]]:
-    """What makes the lines that need no files of others, by group."""
+    """The functions that make the lines that need no files of others, by group."""
     bundled = {"ct_pelvis": ws.examples.ct_pelvis, "mri_head": ws.examples.mri_head}
 
     def volumes(makers: dict[str, Callable[[], ws.Volume]]) -> Iterator[tuple[str, Line]]:
@@ -345,7 +345,7 @@ def differences(old: Any, new: Any, path: str = "") -> Iterator[tuple[str, Any, 
 
 
 def in_words(old: dict[str, Line], new: dict[str, Line], *, to_the_bit: bool = False, most: int = 12) -> str:
-    """What differs between lines, for people; "" where nothing does, or only the rounding of positions."""
+    """The differences between lines, for people; "" where nothing does, or only the rounding of positions."""
     by_line, fields_in = {}, Counter[str]()
     for name in {**old, **new}:
         found = list(differences(old.get(name), new.get(name)))

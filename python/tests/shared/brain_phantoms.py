@@ -275,7 +275,7 @@ def _limits() -> Iterator[tuple]:
 
 
 def phantoms() -> dict[str, Callable[[], ws.Volume]]:
-    """What makes each phantom, by name."""
+    """The function that makes each phantom, by name."""
     makers = (_scans, _maps, _microscopy, _fields, _segmentations, _limits)
     made = {
         name: partial(_volume, name, samples, dtype, **facts)

@@ -1,4 +1,4 @@
-"""Which cases of a product of parameters run by day; the others are marked `nightly`.
+"""Cases of a product of parameters that run by day; the others are marked `nightly`.
 
 Of a test with two decorators `parametrize`, every value runs once, unless it is marked `every_pair`, since its values
 work on each other. Of a test with three or more, every pair of values runs once.

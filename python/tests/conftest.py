@@ -6,6 +6,7 @@ import atexit
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -27,6 +28,13 @@ for name, n in (("day", 30), ("night", 300)):
 os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="wavesplat-tests-")
 os.environ["XDG_STATE_HOME"] = os.environ["XDG_CACHE_HOME"]
 atexit.register(shutil.rmtree, os.environ["XDG_CACHE_HOME"], ignore_errors=True)
+
+# Shells let processes in the background ignore Ctrl-C, and `nohup` the end of a terminal. Their children inherit it, so
+# that tests of these signals would wait for minutes, and fail.
+for name_of_signal in ("SIGINT", "SIGHUP"):
+    number = getattr(signal, name_of_signal, None)
+    if number is not None and signal.getsignal(number) is signal.SIG_IGN:
+        signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
 
 # Tests compare bytes of pictures, which are the same on every machine only if the CPU draws.
 os.environ.setdefault("WAVESPLAT_DEVICE", "cpu")

@@ -11,7 +11,7 @@ use crate::named::view_angles;
 use crate::pose::Pose;
 use crate::rotation::{Axes, dot, dot_of_row, orbit_axes};
 
-/// How to fit.
+/// The rule by which a camera is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fit {
     /// In view from everywhere on a sphere around it, at one scale, so that frames of a turn can be compared.

@@ -1,8 +1,8 @@
 //! Cameras: named views, orbits around a volume, fits, turns, and places of points in the picture.
 //!
-//! An [`InView`] is what is to be in view and through which lens; it places a [`Pose`]: position, focal point, up and
-//! lens in the words of people and files, with angles in degrees. [`Pose::camera`] is what the renderer takes. All is
-//! in double precision. Products are summed with fused multiplications in a fixed order, so that results differ
+//! An [`InView`] names a volume or points to be in view, and the lens; it places a [`Pose`]: position, focal point, up
+//! and lens, with angles in degrees, as documents have them. [`Pose::camera`] makes the camera that the renderer takes.
+//! All numbers are double precision. Products are summed with fused multiplications in a fixed order, so that results differ
 //! between machines only where the sine, cosine, tangent and arc tangent of their standard libraries do.
 //!
 //! ```

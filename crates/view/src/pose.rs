@@ -1,4 +1,4 @@
-//! Where a camera stands, in the words of people and files.
+//! Poses: position, focal point, up and lens of a camera, with angles in degrees, as documents have them.
 
 use glam::DVec3;
 use wavesplat_core::{Camera, Projection, Result};

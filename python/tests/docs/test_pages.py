@@ -20,8 +20,8 @@ PAGES = [
     "accuracy.md",
     "privacy.md",
     "five_minutes.md",
-    # By day `test_named_in_blocks.py` holds names, keywords, commands and options of these pages, each of which takes
-    # several seconds; a tour of each kind of block runs above.
+    # Each of these takes several seconds. By day `test_named_in_blocks.py` checks the names, keywords, commands and
+    # options in their blocks; the pages above have blocks of each language.
     *nightly(
         "dicom.md",
         "movies.md",

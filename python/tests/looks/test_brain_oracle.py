@@ -31,7 +31,7 @@ def test_phantoms_are_of_every_kind():
     assert len(lines) >= 100
 
 
-def test_lines_do_not_depend_on_process_threads_or_vectors():
+def test_numbers_do_not_depend_on_process_or_threads():
     program = "import brain_lines as b; print(b.in_words(b.kept('numbers'), dict(b.groups()['numbers']())) or 'equal')"
     other = {"PYTHONHASHSEED": "7", "RAYON_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     paths = os.pathsep.join([str(Path(brain_lines.__file__).parent), *sys.path])

@@ -1,4 +1,4 @@
-"""Fitting cameras: what is to be in view, checked; where the camera then stands is decided in `crates/view`."""
+"""Fitting cameras: checks of the arguments; `crates/view` decides where the camera stands."""
 
 from __future__ import annotations
 

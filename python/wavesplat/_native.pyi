@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "CHANNEL_COLORS",
     "FARTHEST",
     "SHOWS_THROUGH",
     "VIEWS",
@@ -30,6 +31,8 @@ __all__ = [
     "camera_turned",
     "camera_unproject",
     "camera_widened",
+    "channel_color",
+    "distinct_colors",
     "encode_png",
     "fit_all_views",
     "fit_view",
@@ -38,6 +41,7 @@ __all__ = [
     "gpu_count",
     "gpu_memory",
     "gpu_settle",
+    "label_color",
     "light_step",
     "narrowed",
     "normals_of_faces",
@@ -64,6 +68,8 @@ SHOWS_THROUGH: float
 FARTHEST: float
 #: Azimuth and elevation, degrees, of the named views.
 VIEWS: dict[str, tuple[float, float]]
+#: Conventional colours of channels that have none.
+CHANNEL_COLORS: list[tuple[float, float, float]]
 
 @type_check_only
 class RenderResult(TypedDict):
@@ -612,6 +618,14 @@ def gpu_check(name: str) -> dict[str, Any]: ...
 def gpu_memory(n_bytes: int | None) -> int: ...
 def gpu_count(counts: bool) -> None: ...
 def gpu_settle() -> None: ...
+def label_color(place: int) -> tuple[float, float, float]: ...
+def channel_color(
+    facts: tuple[str, tuple[float, float, float] | None, float | None],
+    others: Sequence[tuple[str, tuple[float, float, float] | None, float | None]],
+) -> tuple[float, float, float] | None: ...
+def distinct_colors(
+    wanted: Sequence[tuple[float, float, float] | None], own: Sequence[tuple[float, float, float] | None]
+) -> list[tuple[float, float, float]]: ...
 def encode_png(rgba: NDArray[np.float32], bits: int) -> bytes: ...
 def straight_bytes(rgba: NDArray[np.float32]) -> bytes: ...
 def rgb_bytes(rgba: NDArray[np.float32], paper: Sequence[float]) -> bytes: ...

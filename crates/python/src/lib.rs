@@ -5,6 +5,7 @@ mod errors;
 mod gpu;
 mod labels;
 mod lazy;
+mod look;
 mod progress;
 mod reference;
 mod rendering;
@@ -41,6 +42,8 @@ mod _native {
     #[pymodule_export]
     use crate::lazy::{PyLazyVolume, PySurvey, light_step, samples_for};
     #[pymodule_export]
+    use crate::look::{channel_color, distinct_colors, label_color};
+    #[pymodule_export]
     use crate::reference::{raycast, splat_literal};
     #[pymodule_export]
     use crate::rendering::{encode_png, plane, quality_settings, render, rgb_bytes, straight_bytes};
@@ -74,6 +77,7 @@ mod _native {
         }
         module.add("SHOWS_THROUGH", wavesplat::SHOWS_THROUGH)?;
         module.add("FARTHEST", wavesplat::view::FARTHEST)?;
+        module.add("CHANNEL_COLORS", wavesplat::look::channel_colors::CHANNEL_COLORS.map(<(f64, f64, f64)>::from))?;
         let views = wavesplat::view::VIEWS.map(|(name, azimuth, elevation)| (name, (azimuth, elevation)));
         module.add("VIEWS", views.into_py_dict(module.py())?)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))

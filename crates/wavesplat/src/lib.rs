@@ -113,6 +113,7 @@ pub use wavesplat_core::{
 };
 #[cfg(feature = "gpu")]
 pub use wavesplat_gpu as gpu;
+pub use wavesplat_look as look;
 pub use wavesplat_splat::optics::labels::{Codes, Labels};
 pub use wavesplat_splat::quality::target_psnr::{Estimate, Framing, Measured, PsnrTarget, RungError, Sampling};
 pub use wavesplat_splat::render::frame::SHOWS_THROUGH;

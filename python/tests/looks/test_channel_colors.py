@@ -10,7 +10,8 @@ import pytest
 import test_bioio_files as bioio_files
 
 import wavesplat as ws
-from wavesplat._looks.kinds.channel_colors import color_of, distinct_colors, usual_color
+from wavesplat import _native
+from wavesplat._looks.kinds.channel_colors import color_of, usual_color
 from wavesplat._readers.microscopes.bioio_files import czi_channels
 
 BLUE, CYAN, GREEN, YELLOW, MAGENTA, WHITE = (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 1, 0), (1, 0, 1), (1, 1, 1)
@@ -66,8 +67,8 @@ def test_the_file_s_colour_comes_first_but_for_white_everywhere():
 
 
 def test_channels_without_a_colour_take_none_that_another_has():
-    assert distinct_colors([None] * 4, [None, GREEN, None, GREEN]) == [MAGENTA, GREEN, CYAN, YELLOW]
-    assert distinct_colors([BLUE, None], [GREEN, BLUE]) == [BLUE, GREEN]
+    assert _native.distinct_colors([None] * 4, [None, GREEN, None, GREEN]) == [MAGENTA, GREEN, CYAN, YELLOW]
+    assert _native.distinct_colors([BLUE, None], [GREEN, BLUE]) == [BLUE, GREEN]
 
 
 CZI = """<ImageDocument><Metadata><Information><Image><Dimensions><Channels>

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wavesplat._looks.curves.colors import label_color
+from wavesplat import _native
 from wavesplat._looks.kinds.kinds import kind_of
 from wavesplat._model.lazy.volume import LazyVolume
 from wavesplat._model.volume import units
@@ -131,7 +131,7 @@ def counted(volume: Volume, named: Mapping[int, Named]) -> list[dict[str, Any]]:
     for number in sorted({*counts, *named} - {0}):
         name, color = named.get(number, ("", None))
         if color is None and is_colored and number in places:
-            color = label_color(places[number])
+            color = _native.label_color(places[number])
         n = counts.get(number, 0)
         labels.append(
             {

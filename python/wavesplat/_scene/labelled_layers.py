@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from wavesplat._looks.kinds.channel_colors import CHANNEL_COLORS, distinct_colors, usual_color
+from wavesplat import _native
+from wavesplat._looks.kinds.channel_colors import usual_color
 from wavesplat._looks.look import Look
 from wavesplat._model.interchange.labelled_array import channel_and_time_axes, is_labelled
 from wavesplat._model.volume.facts import Channel
@@ -60,8 +61,8 @@ def labelled_layers(what: Any, *, has_looks: bool) -> list[Layer]:
     channels, times = channel_and_time_axes(what)
     if channels is None:
         return [] if times is None else [Layer(_series(what, times))]
-    if what.sizes[channels] > len(CHANNEL_COLORS):
-        n = len(CHANNEL_COLORS)
+    if what.sizes[channels] > len(_native.CHANNEL_COLORS):
+        n = len(_native.CHANNEL_COLORS)
         raise ArgumentError(
             f"the array has {what.sizes[channels]} channels along {channels!r}, a scene at most {n}; "
             f"choose some, as with array.isel({channels}=range({n}))"
@@ -70,7 +71,7 @@ def labelled_layers(what: Any, *, has_looks: bool) -> list[Layer]:
     ones = [what.isel({channels: number}) for number in places]
     made = [Layer(Volume(one) if times is None else _series(one, times)) for one in ones]
     known = [layer.drawn.facts.channel or Channel() for layer in made]
-    colors = distinct_colors([None] * len(made), [usual_color(channel) for channel in known])
+    colors = _native.distinct_colors([None] * len(made), [usual_color(channel) for channel in known])
     return [
         Layer(
             layer.volume,

@@ -8,8 +8,9 @@ from operator import index
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+from wavesplat import _native
 from wavesplat._looks.curves.colors import parse
-from wavesplat._looks.kinds.channel_colors import color_of, distinct_colors
+from wavesplat._looks.kinds.channel_colors import color_of
 from wavesplat._looks.look import Look
 from wavesplat._looks.over_time import brightest
 from wavesplat._model.arguments.sampling import Composite
@@ -110,7 +111,7 @@ def open_scene(
         raise ArgumentError(f"a scene has 1 to {MAX_LAYERS} channels, not {len(wanted)}")
     if len(wanted) == 1 and wanted[0].color is None and wanted[0].window is None:
         return Scene(_layer(source, wanted[0], None))
-    colors = distinct_colors([one.color for one in wanted], [source.color(one.number) for one in wanted])
+    colors = _native.distinct_colors([one.color for one in wanted], [source.color(one.number) for one in wanted])
     looks = []
     for one, color in zip(wanted, colors, strict=True):
         looks.append(Look.channel(source.volume_of(one.number), color, one.window, composite))

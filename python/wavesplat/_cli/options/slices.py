@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
+from wavesplat import _native
 from wavesplat._cli.options.groups import option
 from wavesplat._cli.options.layers import MARK, REG, further_layers, map_of_transform, named_file, split_transform
 from wavesplat._cli.options.parsers import refuse_pairs
@@ -159,7 +160,6 @@ def _overlapping(path: str, table: Path | None, chosen: Sequence[str | int] | No
 
     None also where no segments overlap, so that one map has all of each.
     """
-    from wavesplat._looks.curves.colors import label_color
     from wavesplat._looks.labels import label_names
     from wavesplat._looks.labels.labels import Label, Labels
     from wavesplat._readers.dicom import segments as dicom_labels
@@ -186,7 +186,7 @@ def _overlapping(path: str, table: Path | None, chosen: Sequence[str | int] | No
         with warnings.catch_warnings(), suppress(ArgumentError):  # of a segment without voxels
             warnings.simplefilter("ignore", FileWarning)
             labels = Labels.open(path, segments=[number])
-            found.append(labels.with_looks({number: Label(color or label_color(place), name=name)}))
+            found.append(labels.with_looks({number: Label(color or _native.label_color(place), name=name)}))
     return found
 
 

@@ -1,4 +1,4 @@
-"""Colours: as people write them, one after the other, and interpolated in the spaces that VTK has.
+"""Colours: as people write them, and interpolated in the spaces that VTK has.
 
 Msh is CIE Lab in polar coordinates: M the distance from black, s the angle from the grey axis, h the hue.
 Half way between two saturated colours of different hue it passes through white or grey.
@@ -7,7 +7,6 @@ Sources: CIE 15 (Lab, white point D65 as in sRGB); Moreland, Diverging color map
 
 from __future__ import annotations
 
-import colorsys
 import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeAlias
@@ -18,20 +17,6 @@ from numpy.typing import NDArray
 from wavesplat._system import values
 from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
-
-# Colours of things that have none of their own, one after the other.
-
-
-def label_color(place: int) -> tuple[float, float, float]:
-    """The colour of a label by its place among others.
-
-    Steps of a golden section leave no large gap in the circle of hues after any number of labels, and a colour does not
-    depend on how many labels there are.
-    """
-    hue = (0.05 + place * 0.618_033_988_75) % 1.0
-    lightness, saturation = (0.55, 0.65) if place % 2 == 0 else (0.68, 0.5)
-    return colorsys.hls_to_rgb(hue, lightness, saturation)
-
 
 # Colours as people write them.
 

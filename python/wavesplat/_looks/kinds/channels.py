@@ -18,10 +18,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
 from wavesplat._looks.curves import colors
 from wavesplat._looks.curves.transfer_function import TransferFunction
 from wavesplat._looks.curves.value_scale import End, values_of
-from wavesplat._looks.kinds.channel_colors import CHANNEL_COLORS, color_of
+from wavesplat._looks.kinds.channel_colors import color_of
 from wavesplat._looks.kinds.field_curves import OPAQUE, opaque_after, rising
 from wavesplat._looks.kinds.histogram import without_padding
 from wavesplat._looks.kinds.looked_at import subsampled
@@ -65,7 +66,7 @@ def channel_look(
     """See `Look.channel`."""
     if color is None:
         own = color_of(volume.facts.channel, volume.facts.channels)
-        rgb, color_name = own or CHANNEL_COLORS[0], "green" if own is None else "its colour"
+        rgb, color_name = own or _native.CHANNEL_COLORS[0], "green" if own is None else "its colour"
     else:
         rgb, color_name = _rgb(color), "its colour"
     if window is not None:

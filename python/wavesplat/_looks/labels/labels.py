@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._looks.curves import colors
-from wavesplat._looks.curves.colors import label_color
 from wavesplat._looks.labels import label_grids, label_names
 from wavesplat._looks.labels.label_files import merged, name_of, opened_segmentation
 from wavesplat._model.arguments.types import takes_its_types
@@ -566,7 +565,7 @@ def _codes(samples: NDArray[Any]) -> tuple[tuple[int, ...], NDArray[Any]]:
 def _default_looks(numbers: tuple[int, ...]) -> dict[int, Label]:
     """A colour for every label but 0."""
     shown = [number for number in numbers if number != 0]
-    return {number: Label(label_color(place), name=str(number)) for place, number in enumerate(shown)}
+    return {number: Label(_native.label_color(place), name=str(number)) for place, number in enumerate(shown)}
 
 
 def _checked_looks(labels: Mapping[int, Label], numbers: tuple[int, ...]) -> dict[int, Label]:

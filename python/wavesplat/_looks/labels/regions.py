@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
 from wavesplat._looks.curves import colors
-from wavesplat._looks.curves.colors import label_color
 from wavesplat._looks.labels.structure_labels import chosen_structures
 from wavesplat._model.arguments.types import takes_its_types
 from wavesplat._public import public
@@ -108,7 +108,7 @@ class Region:
         regions = []
         for place, one in enumerate(chosen_structures(structures_in(file), chosen, file, has_outline=True)):
             if one.lines:
-                color = one.color or label_color(place)
+                color = one.color or _native.label_color(place)
                 regions.append(cls(one.lines, color, name=one.name, is_of_patient=True))
         return regions
 

@@ -12,9 +12,9 @@ from functools import partial
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
-from wavesplat._looks.curves.colors import label_color
+from wavesplat import _native
 from wavesplat._looks.kinds.automatic import automatic, tinted
-from wavesplat._looks.kinds.channel_colors import CHANNEL_COLORS, color_of, distinct_colors
+from wavesplat._looks.kinds.channel_colors import color_of
 from wavesplat._looks.kinds.kinds import kind_of
 from wavesplat._looks.kinds.overlays import MAPPED_KINDS, OVERLAY_MAPS, cleared, mapped
 from wavesplat._looks.labels.labels import Label, Labels
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 #: Conventional colours -> lighter ones, for pictures in space.
 IN_SPACE: dict[Rgb, Rgb] = dict(
     zip(
-        CHANNEL_COLORS,
+        _native.CHANNEL_COLORS,
         (
             (0.35, 1.0, 0.45),
             (1.0, 0.35, 0.95),
@@ -88,7 +88,7 @@ def with_own_labels(scene: Scene, layer: Layer, volume: Volume | WaveletVolume, 
     def labels_of_time() -> Labels:
         own = Labels(volume)
         # A number has one colour at all times, whichever others are there.
-        looks = {n: known.get(n) or Label(label_color(n - 1), name=str(n)) for n in own.labels}
+        looks = {n: known.get(n) or Label(_native.label_color(n - 1), name=str(n)) for n in own.labels}
         return Labels(volume, looks)
 
     key = (id(volume), "labels", id(look.labels))
@@ -124,7 +124,7 @@ def _with_distinct_colors(
     facts = [layers[k].looked_at.facts for k in chosen]
     own = [color_of(one.channel, one.channels) for one in facts]
     made = list(looks)
-    for k, found, its_own in zip(chosen, distinct_colors([None] * len(chosen), own), own, strict=True):
+    for k, found, its_own in zip(chosen, _native.distinct_colors([None] * len(chosen), own), own, strict=True):
         volume, color = layers[k].looked_at, found if found == its_own else IN_SPACE[found]
         key: Any = id(volume), "color", composite, color
         find = partial(_colored, volume, made[k], composite, color)

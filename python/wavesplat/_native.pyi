@@ -120,7 +120,7 @@ _LevelBox: TypeAlias = tuple[NDArray[np.float32], tuple[int, int, int]]
 class Survey:
     """Statistics, bounds and strided samples of a volume that is not in memory, from one pass over it, box by box.
 
-    Bricks are as small as bounds of `bounds_bytes` allow; `steps` (z, y, x) are those of strided samples.
+    Bricks are as small as bounds of `bounds_bytes` allow; `steps` (z, y, x) are the steps of strided samples.
     """
 
     def __new__(

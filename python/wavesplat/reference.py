@@ -57,7 +57,7 @@ def raycast(
     rays_per_pixel : int, default 1
         On a regular grid inside the pixel; a square number.
     geometry : Surface, Lines, Points, SlicePlane, Frame, or several of them in a list
-        Stand in space with the volume, and are met analytically; those of a scene are its own.
+        Stand in space with the volume, and are met analytically. A scene has its own shapes: leave this out.
 
     Returns
     -------

@@ -81,7 +81,7 @@ class Ablation:
 
     Notes
     -----
-    The alternatives are those of "High Resolution Image Splatting", IJACEN 2(7), 2014.
+    The alternatives are taken from "High Resolution Image Splatting", IJACEN 2(7), 2014.
     """
 
     view_angle_correction: bool = True
@@ -249,7 +249,7 @@ def splat(
 
 
 def _samples_of(volume: Volume | WaveletVolume) -> _native.Volume | _native.DecodedVolume:
-    """The samples of a volume; those of coefficients are decoded at full resolution."""
+    """The samples of a volume; coefficients are decoded at full resolution."""
     if not isinstance(volume, WaveletVolume):
         return volume._core
     return volume.bands([0.0] * volume.left_out)._decoded()
@@ -266,9 +266,9 @@ class StandardSplatting:
         view plane. "view": parallel to the view plane; samples are sorted by depth into slabs as thick as the distance
         from slice to slice along the view.
     view_angle_correction : bool
-        True: opacities are those of the length that a ray runs from slice to slice. False: those of the slice distance
-        from everywhere, as if slices were seen head-on; oblique views are then too clear ("axis") or, since samples lie
-        closer in the picture, too opaque and too bright ("view").
+        True: opacities are for the length that a ray runs from slice to slice. False: they are for the distance of
+        slices from everywhere, as if slices were seen head-on; oblique views are then too clear ("axis") or, since
+        samples lie closer in the picture, too opaque and too bright ("view").
 
     Raises
     ------

@@ -171,7 +171,7 @@ def _exit_code_of(arguments: Sequence[str] | None) -> int:
 
 @contextmanager
 def _warnings_as_notes() -> Iterator[None]:
-    """Print Wavesplat's warnings as notes on stderr, also those of threads that read while a picture is drawn."""
+    """Print Wavesplat's warnings as notes on stderr, also warnings of threads that read while a picture is drawn."""
     import warnings
 
     usual = warnings.showwarning

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
     from wavesplat._scene.layer import Layer
 
-#: Opens an input, with the looks that its layers shall have, or those of its own; the last argument: say nothing.
+#: Opens an input, with the looks that its layers shall have, or its own looks; the last argument: say nothing.
 Choose = Callable[[str, "Sequence[Look] | None", bool], "ChosenScene"]
 FIRST, BRIGHTEST = "first", "brightest"
 #: Bytes of a pixel while a sheet is made: the picture itself, and its place on the sheet.
@@ -40,8 +40,8 @@ class BatchOptions:
 
     same_look: str | None = option(
         "first|brightest|FILE",
-        "Draw all inputs with one look, colours and windows included: that of the first or the brightest of them, or "
-        "of another volume.",
+        "Draw all inputs with one look, colours and windows included: the look of the first or the brightest of them, "
+        "or of another volume.",
     )
     sheet: Path | None = option(
         "OUT", "Also put all pictures on one sheet, each with the name of its input, or the number of a patient's."
@@ -52,7 +52,7 @@ class BatchOptions:
 
 
 def batch_of(inputs: Sequence[str], options: dict[str, Any]) -> Batch:
-    """The batch of some inputs; takes its options out of those of the command."""
+    """The batch of some inputs; takes its options out of the options of the command."""
     own = BatchOptions(**{one.name: options.pop(one.name) for one in fields(BatchOptions)})
     if own.sheet is not None:
         for input in inputs:

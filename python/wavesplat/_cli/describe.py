@@ -118,7 +118,7 @@ def _described(volume: Volume, *, of_coarsest: bool) -> dict[str, Any]:
 
 
 def is_large_pyramid(volume: Volume) -> bool:
-    """Whether all samples take long to read, and those of a coarser level do not."""
+    """Whether all samples take long to read, and the samples of a coarser level do not."""
     return isinstance(volume, LazyVolume) and math.prod(volume.shape) > MAX_OVERVIEW and _coarsest(volume) is not None
 
 

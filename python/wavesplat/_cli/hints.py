@@ -107,7 +107,7 @@ def of_command(name: str, commands: Collection[str]) -> str:
 
 
 def of_option(option: str, command: str, options: Mapping[str, Collection[str]]) -> str:
-    """The hint for an unknown option of a command. `options`: those of all commands, as they are written."""
+    """The hint for an unknown option of a command. `options`: the options of all commands."""
     own = options[command]
     word = option.lstrip("-").lower().replace("_", "-")
     meant = OPTIONS.get(word, ())

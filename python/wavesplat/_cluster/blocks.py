@@ -1,10 +1,10 @@
 """A picture over many machines: blocks of its base planes, or segments of blocks, as tasks of Dask.
 
 A block is drawn front to back by one worker, which streams its boxes from the files: nothing is merged, every operator
-works, and the bytes are those of one machine. With segments, a task is some slices of a block; their states are folded
-from the front to the back, by one task for each block, so that the picture does not depend on who drew what: it is
-that of one machine with the same segments. Segments are for data in workers' memory, and for translucent volumes, all
-of which is seen.
+works, and the bytes are the same as on one machine. With segments, a task is some slices of a block; their states are
+folded from the front to the back, by one task for each block, so that the picture does not depend on which worker drew
+a segment: one machine with the same segments draws the same picture. Segments are for data in workers' memory, and for
+translucent volumes, all of which is seen.
 
 Tasks are plain `dask.delayed`, at most some thousands for any volume; they can be run again, and are run again where a
 worker is lost.

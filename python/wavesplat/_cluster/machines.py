@@ -1,4 +1,4 @@
-"""Workers that draw pictures: those of a Dask client, or the threads of this process."""
+"""Workers that draw pictures: the workers of a Dask client, or the threads of this process."""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ Box = tuple[tuple[int, int, int], tuple[int, int, int]]
 
 #: A budget for streams of which nothing is read.
 UNBOUNDED = 1 << 60
-#: zlib's level for states of rays: those of rays that see nothing take nothing.
+#: zlib's level for states of rays: rays that see nothing take hardly any bytes.
 PACKING = 1
 #: Fields of a picture's report that are about the process that drew it.
 OF_PROCESS = ("notes", "lazy", "n_threads", "simd", "device", "n_texels", "n_skipped_slabs")
@@ -122,7 +122,7 @@ class PartialPicture:
     """
 
     picture: Picture
-    #: First index and end, z, y, x, of the samples that it shows, and those of all parts.
+    #: First index and end, z, y, x, of the samples that it shows, and of the samples of every part.
     own: Box
     boxes: list[Box]
     #: By base plane: the state of its rays, packed.
@@ -201,8 +201,8 @@ def merge(pictures: Iterable[PartialPicture | None]) -> Picture:
     Returns
     -------
     Picture
-        That of the whole volume but for rounding, given enough ghost samples (`VolumePart`). Light on cut faces may
-        differ within ten samples of them, where rays have entered the volume in another part.
+        The picture of the whole volume but for rounding, given enough ghost samples (`VolumePart`). Light on cut faces
+        may differ within ten samples of them, where rays have entered the volume in another part.
 
     Raises
     ------
@@ -274,7 +274,7 @@ def _states_of(partial: PartialPicture, n_planes: int) -> dict[int, _native.Bloc
 
 def _check_complete(given: list[PartialPicture]) -> None:
     if not given:
-        raise ArgumentError("there are no pictures to merge; give those of all parts, by ws.render_part")
+        raise ArgumentError("there are no pictures to merge; give the pictures of all parts, by ws.render_part")
     owns = sorted(partial.own for partial in given)
     for own in owns:
         if owns.count(own) > 1:
@@ -287,8 +287,8 @@ def _check_complete(given: list[PartialPicture]) -> None:
     missing = sorted(set(given[0].boxes) - set(owns))
     if missing:
         raise ArgumentError(
-            f"{len(missing)} of {len(given[0].boxes)} parts are missing among the pictures to merge, such as that of "
-            f"the samples {_text_of(missing[0])}"
+            f"{len(missing)} of {len(given[0].boxes)} parts are missing among the pictures to merge, such as the "
+            f"part with the samples {_text_of(missing[0])}"
         )
 
 

@@ -57,7 +57,7 @@ def _is_mesh_of_ours(thing: object) -> bool:
 
 
 def _poly_data(thing: Any, libraries: set[str]) -> Any:
-    """A vtkPolyData: the object itself, or that of a mesh of vedo; None for anything else."""
+    """A vtkPolyData: the object itself, or the data of a mesh of vedo; None for anything else."""
     if "vedo" in libraries and hasattr(thing, "dataset"):
         thing = thing.dataset
         libraries = libraries_of(thing)

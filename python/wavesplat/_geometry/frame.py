@@ -26,7 +26,7 @@ Box: TypeAlias = NDArray[np.float64]
 
 #: Colour of a frame without one, which shows on black and on white.
 GREY = (0.55, 0.55, 0.55)
-#: Width of grid lines as a share of that of the edges, and their opacity.
+#: Width of grid lines as a share of the width of edges, and opacity of grid lines.
 GRID_WIDTH, GRID_OPACITY = 0.6, 0.5
 #: Number of steps between ticks along an axis, about.
 N_STEPS = 5

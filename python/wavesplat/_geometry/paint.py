@@ -1,4 +1,4 @@
-"""Colours of shapes: one for all, one for each vertex or point, or those of a colour map by values."""
+"""Colours of shapes: one for all, one for each vertex or point, or the colours of a map by values."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def table_of(cmap: str) -> NDArray[np.float32]:
 
 
 def paint_of(color: Any, mapped: Mapped | None, opacity: float, default: Any) -> tuple[_native.ShapePaint, float]:
-    """Checked colours as the compiled module takes them, and the opacity: that of one colour counts too.
+    """Checked colours as the compiled module takes them, and the opacity, times the alpha of a single colour.
 
     color : checked; None is `default`. mapped : values and their colours instead.
     """

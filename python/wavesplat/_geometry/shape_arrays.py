@@ -164,7 +164,7 @@ def _is_meshes(thing: object) -> bool:
 
 
 def as_shapes(given: Any) -> tuple[Shape, ...]:
-    """Shapes of one or several objects: ours, meshes, and those of other libraries."""
+    """Shapes of one or several objects: ours, meshes, and shapes of other libraries."""
     things = list(given) if isinstance(given, list | tuple) else [given]
     return tuple(shape for thing in things for shape in _shapes_of(thing))
 
@@ -194,7 +194,7 @@ def facts_of_shapes(shapes: Sequence[Shape]) -> list[dict[str, Any]]:
 
 
 def names_of_shapes(shapes: Sequence[Shape]) -> list[str]:
-    """Names for people: a shape without one is called by its kind and its number among those of the kind, from 1."""
+    """Names for people: a shape without one is called by its kind and its number in this kind, from 1."""
     numbers = Counter[str]()
     names = []
     for shape in shapes:
@@ -212,7 +212,7 @@ def _count(shape: Shape) -> int:
 
 
 def positions_in_view(shapes: Sequence[Shape], bounds: NDArray[np.float64], volume: Grid) -> NDArray[np.float64] | None:
-    """Positions that a camera is fitted to: those of shapes, without what lies far from the volumes; None without any.
+    """Positions of shapes that a camera is fitted to: none that lie far from the volumes; None without any.
 
     bounds : corners of the box around the volumes. volume : of the scene's first layer.
     """

@@ -48,7 +48,7 @@ def smooth_normals(vertices: Floats, faces: NDArray[Any]) -> NDArray[np.float32]
 
 # Surfaces of triangles.
 
-#: Colour of surfaces without one: that of ivory, on which shadows show.
+#: Colour of surfaces without one: ivory, on which shadows show.
 IVORY = (0.93, 0.88, 0.78)
 #: How far the length of a unit vector in float32 may be from 1.
 ROUNDED = 1e-6
@@ -67,8 +67,8 @@ class Surface(Shape):
     faces : integer array, shape (m, 3), optional
         Vertices of each triangle, by their numbers from 0. Needed with an array of vertices.
     color : colour or array, optional
-        Of all: (r, g, b), "#rrggbb" or a name; or one for each vertex, shape (n, 3) or (n, 4). None is that of a mesh
-        that has one, else ivory.
+        Of all: (r, g, b), "#rrggbb" or a name; or one for each vertex, shape (n, 3) or (n, 4). None is
+        the colour of the mesh, if it has one, else ivory.
     values : array, shape (n,), optional
         Instead of `color`: a value for each vertex, coloured by `cmap`; where it is NaN the surface has a hole. Of a
         PyVista or VTK mesh also the name of one of its arrays.
@@ -77,13 +77,13 @@ class Surface(Shape):
     clim : (low, high), optional
         Values of both ends of the map, or percentiles such as "1%"; None is the least and the largest.
     quantity, value_unit : str, optional
-        Name of the values and their unit, such as "speed" and "m/s", for colour bars; the name is that of an array or
-        of a column where `values` names one.
+        Name of the values and their unit, such as "speed" and "m/s", for colour bars. Where `values` names an array or
+        a column, this is the name.
     opacity : float, 0..1, default 1
         Of the surface, from whatever side and angle. Matter before it dims it, matter behind it is seen through it.
     normals : "smooth", "flat" or array, shape (n, 3)
-        Directions for the light. "smooth": those of the mesh, else the mean of the triangles around each vertex, by
-        area; "flat": each triangle has its own, as of crystals and machine parts.
+        Directions for the light. "smooth": the normals of the mesh, else the mean of the triangles around each
+        vertex, by area; "flat": each triangle has its own, for crystals and machine parts.
     lit : bool, default True
         The scene's light shines on it, on both sides, and matter casts its shadow on it; else colours are shown as
         given.

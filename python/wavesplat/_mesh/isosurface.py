@@ -95,7 +95,7 @@ class Lattice(NamedTuple):
         return cls((z, y, x), planes)
 
     def slices(self, volume: Volume) -> Iterator[tuple[int, NDArray[Any]]]:
-        """Positions and samples [y, x] of the slices that lie in the volume; their rows are those of `core`."""
+        """Positions and samples [y, x] of the slices that lie in the volume, cut to the rows and columns of `core`."""
         z, y, x = self.axes
         rows, columns = y[self.core(1, volume)], x[self.core(2, volume)]
         for position in np.flatnonzero((z >= 0) & (z < volume.shape[0])):
@@ -170,7 +170,7 @@ def _signed_field(volume: Volume, iso_value: float, lattice: Lattice) -> NDArray
 def _edges(lattice: Lattice, field: NDArray[np.float32], found: NDArray[np.float32]) -> tuple[Ints, Ints, Ints]:
     """The samples (x, y, z), inside and outside, between which vertices lie, and the numbers of those vertices.
 
-    `found` are the library's vertices, places (x, y, z) in the lattice. Those of no edge lie within ambiguous cells.
+    `found` are the library's vertices, places (x, y, z) in the lattice. Vertices on no edge lie within ambiguous cells.
     """
     low = np.floor(found).astype(np.intp)
     steps = found > low

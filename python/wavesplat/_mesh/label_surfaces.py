@@ -3,8 +3,8 @@
 Marching cubes of a label's mask follow its samples as stairs. A windowed sinc (`windowed_sinc`) takes the stairs away:
 its pass band is 10^(-4 smoothing) with 20 + 40 smoothing iterations, as in 3D Slicer, and wider for parts so thin that
 they would shrink, by their radius 3 V / A in samples: the first modes of a ball of that radius pass.
-Then all vertices move along their normals by the same length until the volume is that of the samples: stairs of balls
-and edges of plates lose a share of it, of single rows of samples half.
+Then all vertices move along their normals by the same length until the volume equals the volume of the
+samples: stairs of balls and edges of plates lose a share of it, single rows of samples half.
 
 With W the mean over a vertex' neighbours and K = 1 - W, whose eigenvalues k lie in 0..2, a polynomial f(K) multiplies
 each natural frequency of the mesh by f(k). Taubin, Zhang and Golub choose Chebyshev polynomials,

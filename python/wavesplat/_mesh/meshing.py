@@ -1,6 +1,6 @@
 """Surfaces as triangle meshes in the world: for looking, measuring and printing where no renderer is at hand.
 
-`isosurface` finds the surface of a value, `label_surfaces` those of labels.
+`isosurface` finds the surface of a value, `label_surfaces` finds the surfaces of labels.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def mesh(
     labels: str | int | Iterable[int | str] | None = None,
     smoothing: float = 0.5,
 ) -> Mesh | Meshes:
-    """The surface where the volume has a value, or those of its labels, as triangles in the world.
+    """The surface where the volume has a value, or the surfaces of its labels, as triangles in the world.
 
     Parameters
     ----------
@@ -105,9 +105,9 @@ def mesh(
 
     Notes
     -----
-    Smoothing: G. Taubin, T. Zhang, G. Golub, Optimal surface smoothing as filter design (ECCV 1996). Numbers of
-    iterations and pass band are those of 3D Slicer, 20 + 40 s and 10^(-4 s), for `smoothing` s; thin parts, which would
-    shrink, have a wider band. Then the surface is moved along its normals until its volume is right.
+    Smoothing: G. Taubin, T. Zhang, G. Golub, Optimal surface smoothing as filter design (ECCV 1996). The number of
+    iterations and the pass band are as in 3D Slicer, 20 + 40 s and 10^(-4 s), for `smoothing` s; thin parts, which
+    would shrink, have a wider band. Then the surface is moved along its normals until its volume is right.
     """
     if labels is not None:
         if iso_value is not None:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-#: Words in braces that stand for those of each label in the name of a file.
+#: Words in braces that stand for the name and the number of each label in the name of a file.
 PLACE = re.compile(r"\{(name|number)\}")
 
 

@@ -1,7 +1,7 @@
 """Files of moving pictures, written from frames as they come: floats, associated, shape (height, width, 4).
 
 Videos are encoded by the FFmpeg that PyAV's wheels bring: H.264 by x264, VP9 by libvpx. Colours are converted by BT.709
-and say so, so that players show those of the pictures.
+and marked as such, so that players show the colours of the pictures.
 """
 
 from __future__ import annotations

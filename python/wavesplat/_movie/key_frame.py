@@ -26,7 +26,7 @@ class KeyFrame:
     time_s : float
         Time of the moment, seconds.
     camera : Camera or str, optional
-        Or a view's name. The way between cameras is that of `Camera.interpolate`: all are orthographic or all are
+        Or a view's name. Cameras between are found by `Camera.interpolate`: all are orthographic or all are
         in perspective.
     look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
         How values are shown; of several layers one for each, in a list, in which None leaves a layer as it is.

@@ -41,7 +41,7 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     from typing import Unpack
 
-# Options of movies: those of their frames, and the marks that are drawn on every frame.
+# Options of movies: the options of their frames, and the marks that are drawn on every frame.
 
 
 class FigureOptions(TypedDict, total=False):
@@ -64,7 +64,7 @@ class FigureOptions(TypedDict, total=False):
 
 
 class MovieOptions(FrameOptions, FigureOptions, total=False):
-    """Options of `movie`: those of pictures, and the marks of figures."""
+    """Options of `movie`: the options of pictures, and the marks of figures."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +82,7 @@ def parted(options: MovieOptions) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 class FrameFigure:
-    """Marks for frames; `arguments` are those of `Picture.annotated`.
+    """Marks for frames; `arguments` are the arguments of `Picture.annotated`.
 
     is_still : whether the looks of all frames are the same.
     """
@@ -156,8 +156,8 @@ def movie(
     Parameters
     ----------
     what : Scene, Volume, WaveletVolume, array, Layer, or several volumes or layers in a list
-        What to show, as for `render`. Clips, labels and light are those of a `Scene`. Of a film, a series of single
-        pictures such as ultrasound, each frame as `slice` shows it.
+        What to show, as for `render`. A `Scene` also gives clips, labels and light. A film, a series of single
+        pictures such as ultrasound, is shown frame by frame, each as `slice` shows it.
     path : path
         The suffix chooses the format. `.mp4`: H.264, which every browser and every slide plays; `.webm`: VP9; `.gif`
         and `.webp`: animations that repeat. A folder, or a name such as `frames/%04d.png`: a PNG file for each frame.

@@ -71,7 +71,7 @@ def with_settled_looks(
 ) -> tuple[Scene, Composite]:
     """The scene with all looks that are chosen by the data, or by name, written out, so that frames do not flicker.
 
-    Greys that depend on the view are those of this camera. Also gives the name of the operator.
+    Greys that depend on the view are the greys that this camera sees. Also gives the name of the operator.
     """
     shown = _shown(scene, composite)
     looks = {id(layer.layer): layer.look for layer in shown.layers}

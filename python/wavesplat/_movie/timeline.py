@@ -163,7 +163,7 @@ def _limit(nodes: Nodes, value: float, side: int) -> tuple[float, ...]:
 
 
 def _blended_shading(a: Shading | None, b: Shading | None, t: float) -> Shading | None:
-    """The shading between two: numbers are mixed, other settings are those of the nearer key frame."""
+    """The shading between two: numbers are mixed, other settings are taken from the nearer key frame."""
     if a is None or b is None or a == b:
         return a if t < 0.5 else b
     nearer = a if t < 0.5 else b

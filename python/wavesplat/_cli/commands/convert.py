@@ -107,7 +107,7 @@ def _times_of(input: str, reader: ReaderOptions, channel: int | None) -> Series:
 
 
 def _holds_labels(stack: Stack) -> bool:
-    """Whether the first volume is a segmentation by its values; of a lazy one by those of a box in its middle."""
+    """Whether the first volume is a segmentation by its values; of a lazy one, by a box in its middle."""
     from wavesplat._looks.kinds.kinds import kind_of
     from wavesplat._model.lazy.volume import LazyVolume
     from wavesplat._model.volume.volume import Volume

@@ -53,7 +53,7 @@ def mesh(
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write the surface of a value, or those of labels, as triangle meshes in world units, and print their paths."""
+    """Write the surface of a value, or surfaces of labels, as triangle meshes in world units, and print their paths."""
     if own.labels is not None and own.iso_value is not None:
         raise ArgumentError(EITHER)
     if own.labels is not None:

@@ -18,7 +18,7 @@ class CostOptions:
 
     size: Any = picture_size("Pixels of the picture.")
     workers: int = option("N", "Machines, or processes, that draw together.", default=1)
-    cores: int | None = option("N", "Cores of each; those of this machine.")
+    cores: int | None = option("N", "Cores of each; the cores of this machine.")
     segments: int | None = option("N", "Slices of a segment of the rays.")
     read_rate: str | None = option("SIZE", "Bytes a second that a worker reads, such as 250MB; else measured.")
     draw_ns: float | None = option("NS", "Nanoseconds of a texel on a core; else measured.")

@@ -37,7 +37,7 @@ class GeometryOptions:
     surface: list[str] | None = option(
         SURFACE,
         "A surface in the picture, such as liver.stl:red:0.5, of .stl, .ply, .obj, .glb, .vtp, .gii or FreeSurfer; "
-        "values=NAME colours it by values, of brains by those of another file. May be repeated.",
+        "values=NAME colours it by values, a brain by the values of another file. May be repeated.",
     )
     lines: list[str] | None = option(
         LINES,

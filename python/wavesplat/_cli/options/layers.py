@@ -319,7 +319,7 @@ def color_layer(text: str, input: str, reader: ReaderOptions, *, has_times: bool
     """The field of colours as a layer.
 
     reader : options of INPUT, which hold for its other datasets too.
-    has_times : whether INPUT is drawn at several times, and so at those of the field.
+    has_times : whether INPUT is drawn at several times, and so at the times of the field.
     """
     from wavesplat._looks.kinds.field_colors import field_colors
     from wavesplat._looks.over_time import brightest
@@ -343,7 +343,7 @@ def color_layer(text: str, input: str, reader: ReaderOptions, *, has_times: bool
 
 def _opened_field(said: ColorText, text: str, input: str, reader: ReaderOptions, *, has_times: bool) -> Volume | Series:
     if said.path is not None:
-        # Samples of another file are read as those of INPUT are: as they are drawn, or all at once.
+        # Samples of another file are read as the samples of INPUT are: as they are drawn, or all at once.
         lazily = {name: getattr(reader, name) for name in ("memory", "holes", "cache")}
         own = ReaderOptions(dataset=said.dataset, time=reader.time, **lazily)
         return _read_field(said.path, own, has_times=has_times)

@@ -89,7 +89,7 @@ def opened_layers(
                 if not (quiet or all_times):
                     message(f"note: the file holds {len(error.names)} time points; this is --time 0")
                 return found
-            # In an array whose axes have no names, no axis is known to be that of channels.
+            # In an array whose axes have no names, no axis is known to be the axis of channels.
             if error.option != "channel" or said or not error.is_known:
                 raise
     return _channels(

@@ -1,4 +1,4 @@
-"""Options of a scene, and the scene that they make with those of layers, cuts and light."""
+"""Options of a scene, and the scene that they make with the options of layers, cuts and light."""
 
 from __future__ import annotations
 

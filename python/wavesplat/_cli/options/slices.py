@@ -126,7 +126,7 @@ def opened_contours(
 ) -> Sequence[Labels | Region] | None:
     """The regions of a structure set, or the labels of another segmentation, each whole also where they overlap.
 
-    table : names and colours of the labels, instead of those of their file.
+    table : names and colours of the labels, instead of the names and colours in their file.
     scan : the volume that a transform maps onto.
     """
     from wavesplat._looks.labels.labels import Labels

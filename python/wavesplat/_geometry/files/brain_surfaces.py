@@ -1,8 +1,8 @@
 """Surfaces of brains: FreeSurfer's and GIfTI, with values and labels of their vertices, by nibabel.
 
-FreeSurfer's surfaces have coordinates of their own (tkregister's), whose middle is that of the volume that they were
-made of. Its header says where that is for the scanner: turned by its axes and moved by c_ras, they lie in the world of
-NIfTI and MGH volumes.
+FreeSurfer's surfaces have coordinates of their own (tkregister's), whose middle is the middle of the volume that they
+were made of. Its header says where that is for the scanner: turned by its axes and moved by c_ras, they lie in the
+world of NIfTI and MGH volumes.
 """
 
 from __future__ import annotations

@@ -171,7 +171,7 @@ def _axes(table: _Table, path: Path) -> tuple[list[str | None], list[str]]:
 
 
 def _axes_among(names: Container[str]) -> list[str | None] | None:
-    """The names of x, y and z among those of columns; None where there are none."""
+    """The names of the columns of x, y and z among all names; None where there are none."""
     for form in PLAIN:
         x, y, z = (form.format(axis) for axis in "xyz")
         if x in names and y in names:

@@ -190,7 +190,7 @@ def test_only_a_box_that_does_not_touch_is_refused(scan):
         ws.render(ws.Scene(scan, labels=labels_of(numbers(), matrix)), **SIZE)
     with pytest.raises(ArgumentError, match=boxes):
         ws.slice(ws.Scene(scan, labels=labels_of(numbers(), matrix)))
-    with pytest.raises(ArgumentError, match="are in um, those of the scan 'scan' in mm"):
+    with pytest.raises(ArgumentError, match="are in um, the scan 'scan' is in mm"):
         labels_of(numbers(), SCAN_FROM_INDEX, unit="um").on_samples_of(scan)
 
 

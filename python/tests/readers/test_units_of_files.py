@@ -145,7 +145,7 @@ def test_columns_of_two_units_of_which_one_is_unknown(tmp_path):
 
 def test_volumes_in_units_that_do_not_fit_are_no_scene():
     one, other = (ws.Volume(SAMPLES, unit=unit) for unit in ("mm", "furlong"))
-    with pytest.raises(ws.errors.ArgumentError, match="in mm, those of .* in furlong; open one of them with spacing="):
+    with pytest.raises(ws.errors.ArgumentError, match="in mm, the lengths of .* in furlong; open one of them"):
         ws.render([one, other], size=(8, 8))
 
 

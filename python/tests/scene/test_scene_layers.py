@@ -260,7 +260,7 @@ def test_wavelets_are_layers_too():
 
 
 def test_worlds_of_other_units_are_refused():
-    with pytest.raises(ArgumentError, match="the lengths of 'ct_pelvis.nii.gz' are in mm, those of 'blob' in um"):
+    with pytest.raises(ArgumentError, match="the lengths of 'ct_pelvis.nii.gz' are in mm, the lengths of 'blob' in um"):
         draw([CT, ws.Layer(blob(unit="um"), HOT)])
     draw([ws.Layer(CT, SOFT), ws.Layer(blob(unit="mm"), HOT)])
 

@@ -219,7 +219,7 @@ def test_bars_and_legend_of_several_layers_stand_in_one_column():
 
 def test_what_cannot_be():
     microns = ws.Volume(uptake().samples, world_from_index=uptake().world_from_index, unit="um", name="cells")
-    with pytest.raises(ArgumentError, match="are in mm, those of 'cells' in um; open one of them with"):
+    with pytest.raises(ArgumentError, match="are in mm, the lengths of 'cells' in um; open one of them with"):
         ws.slice([SCAN, ws.Layer(microns, HOT)])
     joint = ws.TransferFunction2D([0, 1], [0, 1], np.zeros((2, 2, 4)) + 0.5)
     with pytest.raises(ArgumentError, match="give the layer 'uptake' a TransferFunction"):

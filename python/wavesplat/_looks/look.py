@@ -101,13 +101,13 @@ class Look:
             Operator; None takes the one that suits the kind of data.
         colormap : str, optional
             Of fields: this map's colours, over the same values and with the same opacities, instead of the look's own.
-            Names are those of `TransferFunction.from_colormap`.
+            Names as in `TransferFunction.from_colormap`.
 
         Raises
         ------
         ArgumentError
             If all samples are equal: there is nothing to tell apart. If there is no map of that name, or the look is
-            not one of a field, such as that of a CT or of a projection.
+            not one of a field, such as the look of a CT or of a projection.
         """
         from wavesplat._looks.kinds import automatic
 
@@ -125,7 +125,7 @@ class Look:
         name : str
             For CT in Hounsfield units: "ct-bone", "ct-angio", "ct-lung", "ct-skin", "ct-muscle", "ct-heart",
             "ct-soft-tissue", "ct-vessels". Fitted to the volume's values: presets for MR, PET, microscopy and
-            simulation, and "auto" (see `auto`). Those of 3D Slicer, such as "CT-AAA" or "MR-Default"; where ours has
+            simulation, and "auto" (see `auto`). 3D Slicer's presets, such as "CT-AAA" or "MR-Default"; where ours has
             the same name, "slicer-" before it means theirs. `wavesplat presets` lists all. Case does not matter, and
             "-", "_" and a blank are alike.
         volume : Volume or WaveletVolume, optional
@@ -300,7 +300,7 @@ class Look:
 
         Notes
         -----
-        Opacities of Slicer are taken as those of 1 mm, VTK's ScalarOpacityUnitDistance where nothing else is said.
+        Opacities of Slicer are taken as opacities of 1 mm, VTK's ScalarOpacityUnitDistance where nothing else is said.
 
         Examples
         --------

@@ -1,4 +1,4 @@
-"""Looks in files: JSON of ours, and those of 3D Slicer and ParaView; what is in a file decides, not its name.
+"""Looks in files: our JSON, and files of 3D Slicer and ParaView; the content of a file decides, not its name.
 
     {"version": 1, "name": "ct-bone", "description": "Skeleton.", "kind": "ct",
      "transfer_function": {"values": "hounsfield", "opacity_unit": 1.0, "opacity": [...], "color": [...]},

@@ -79,8 +79,8 @@ class Shading:
     gradient_offset : float, 0.01 to 4
         Without smoothing: half the width of these differences, in voxels.
     unoriented : float, 0 to 1
-        Diffuse light where there is no gradient, as on cut faces of even matter, as a share of that of a face that is
-        turned to the light: 0.5 is the mean over all normals.
+        Diffuse light where there is no gradient, as on cut faces of even matter, as a share of the diffuse light of a
+        face that is turned to the light: 0.5 is the mean over all normals.
     even_cuts : float, 0 to 1
         How evenly matter is lit where a ray enters it through a cut: a crop, a clip plane, a cut-out, missing samples,
         the end of the data. 1 lights it for some slices like matter without a gradient, so that the face shows its

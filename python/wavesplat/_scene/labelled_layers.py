@@ -1,7 +1,7 @@
 """Layers of an array whose axes have names, as xarray's: one for each place along the axis of channels.
 
-A layer is a volume or, where there is an axis of times, a series whose volumes are made when they are asked for. Its
-look is that of a channel of a file without colours and windows: of dyes that are named, in their usual colours.
+A layer is a volume or, where there is an axis of times, a series whose volumes are made when they are asked for. It
+looks like a channel of a file without colours and windows: dyes that are named have their usual colours.
 """
 
 from __future__ import annotations

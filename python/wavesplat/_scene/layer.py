@@ -53,14 +53,14 @@ class Layer:
         quantity or modality ("CT"), not by their files, and where a scene has two of one name, by description or number
         too.
     color_from : Layer, Volume, Series, array, or what else `Volume` takes, optional
-        A second field, whose values give the colours, while those of `volume` say how opaque it is, or where its
-        surface lies (`FirstHit`): density coloured by temperature. Of a `Layer` the colours are those of its look, in
-        values of its own volume; its opacities count for nothing. Without a look one is chosen by the kind of data. Of
-        a series it is the volume of this layer's `time`. The field has its own samples and must cover `volume`; where
-        either value is missing (NaN), nothing is drawn. With a `TransferFunction2D(..., rows="field")` as `look` both
-        fields decide opacity and colour together. Both must be in memory. The labels of a segmentation have the colour
-        of the field's mean over each of them; without a look "viridis", from the least mean to the largest. None
-        colours the layer by its own values.
+        A second field, whose values give the colours, while the values of `volume` say how opaque it is, or where
+        its surface lies (`FirstHit`): density coloured by temperature. A `Layer` gives the colours of its look, in
+        values of its own volume; the opacities of that look count for nothing. Without a look one is chosen by the kind
+        of data. Of a series it is the volume of this layer's `time`. The field has its own samples and must cover
+        `volume`; where either value is missing (NaN), nothing is drawn. With a `TransferFunction2D(..., rows="field")`
+        as `look` both fields decide opacity and colour together. Both must be in memory. The labels of a segmentation
+        have the colour of the field's mean over each of them; without a look "viridis", from the least mean to the
+        largest. None colours the layer by its own values.
 
     Raises
     ------

@@ -82,7 +82,7 @@ class Cache:
         return value
 
     def remember(self, key: Any, shown: object, found: object) -> None:
-        """Cache a picture's measurements; evict those of the oldest kind of picture."""
+        """Cache a picture's measurements; evict the measurements of the oldest kind of picture."""
         self.measured.pop(key, None)
         self.measured[key] = shown, found
         while len(self.measured) > MAX_MEASURED:
@@ -108,12 +108,13 @@ class Scene:
     labels : Labels, optional
         A segmentation of the first layer's volume, with a look for every label; for "over".
     shading : Shading, None or "look"
-        Phong shading of "over" and `FirstHit`; None draws the colours as given, "look" is that of each look.
+        Phong shading of "over" and `FirstHit`; None draws the colours as given, "look" takes each look's own.
     clip : Crop, ClipPlane, CutOut or several of them
-        `Crop` keeps a box, `ClipPlane` keeps a side of a plane, `CutOut` takes a box out. A box in samples is in those
-        of the first layer.
+        `Crop` keeps a box, `ClipPlane` keeps a side of a plane, `CutOut` takes a box out. A box in samples
+        counts the samples of the first layer.
     background : colour, optional
-        (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is that of the first look or, where it has none, transparent.
+        (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is the first look's background or, where it has none,
+        transparent.
     keep_table : bool, default False
         Draw the table below a patient in a CT. Else pictures leave it out, of every layer in memory, where it can be
         recognized, but for minima; the report's `notes` say so, and the samples stay. For all times of a series it is
@@ -297,9 +298,10 @@ class Scene:
         Parameters
         ----------
         path, downsampling
-            As for `Volume.save`; `.ome.tif` and `.ome.zarr` hold several channels. Names are those of the layers, and
-            colours, and windows in `.ome.zarr`, those that the looks show; of looks that are not `Look.channel` those
-            of the volumes. Layers that are not visible are written too, as such in `.ome.zarr`.
+            As for `Volume.save`; `.ome.tif` and `.ome.zarr` hold several channels. Channels have the names of the
+            layers, and the colours, in `.ome.zarr` also the windows, of their looks; where a look is not a
+            `Look.channel`, the colour and window of the volume. Layers that are not visible are written too, as such in
+            `.ome.zarr`.
 
         Raises
         ------
@@ -406,8 +408,8 @@ class Scene:
         found are used for the next ones, be they from other sides or with another `psnr`, and these are drawn without
         measuring anything: for the frames of a turn, say. The farther the view turns, the less that promises, which
         `expected_psnr_spread_db` in the report shows. Where a picture showed nothing, or pixels are more than 1.5 times
-        as far apart or as close as they were, in samples, the next one is measured all the same. So is that of a new
-        `Scene`.
+        as far apart or as close as they were, in samples, the next one is measured all the same. A new `Scene`
+        measures its first picture.
 
         Examples
         --------

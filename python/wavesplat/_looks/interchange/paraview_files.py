@@ -1,4 +1,4 @@
-"""Colour maps of ParaView: `.json` files, as it exports them, the older `.xml`, and those of states.
+"""Colour maps of ParaView: `.json` files, as it exports them, the older `.xml`, and the maps in states.
 
 What is taken over, and how:
 
@@ -60,7 +60,8 @@ OWN = {
 }
 
 
-# Colour maps of ParaView: `.json` files, as it exports them, the older `.xml`, and those of states (`paraview_state`).
+# Colour maps of ParaView: `.json` files, as it exports them, the older `.xml`, and the maps in states
+# (`paraview_state`).
 
 WHAT = "colour map of ParaView"
 TAG = "ColorMap"
@@ -81,7 +82,7 @@ def from_json(document: list[Any]) -> list[dict[str, Any]]:
 
 
 def from_xml(root: Element) -> list[dict[str, Any]]:
-    """The maps of an XML file, in the form of those of a JSON file."""
+    """The maps of an XML file, in the form that a JSON file has."""
     found = []
     for element in root.iter(TAG):
         points = [[_number(point, name) for name in ("x", "r", "g", "b", "o")] for point in element.iter("Point")]

@@ -3,7 +3,7 @@
 What is taken over, and how:
 
 - Points of scalar opacity and colour, as they are; between them VTK's curves (`vtk_curves`).
-- Opacity unit: Slicer leaves VTK's ScalarOpacityUnitDistance at 1, so opacities are those of 1 mm, which is how
+- Opacity unit: Slicer leaves VTK's ScalarOpacityUnitDistance at 1, so opacities are for 1 mm, which is how
   `opacity_unit=1` reads them: both take a step s as 1 - (1 - alpha)^s. A `.vp.json` file can say another.
 - Gradient opacity: VTK's magnitudes are per mean of the three spacings, ours per world unit. VTK multiplies the opacity
   of a step by the factor, we the extinction: the same where a step is faint.

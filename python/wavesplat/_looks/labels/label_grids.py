@@ -1,7 +1,7 @@
 """Segmentations on the samples of a scan, by the affines of both.
 
 Axes that are flipped or exchanged are put into the scan's order, which changes no number. Where the samples then lie on
-those of the scan, a whole number of samples apart, they are copied: what the segmentation does not reach has no label.
+the scan's samples, shifted by a whole number, they are copied: what the segmentation does not reach has no label.
 Any other grid (coarser, finer, oblique, half a sample apart) is resampled by nearest neighbour, since numbers of labels
 have no values between them.
 """
@@ -108,7 +108,7 @@ def check_unit(unit: str | None, scan: Grid) -> None:
     """Raise an `ArgumentError` if a segmentation's lengths are in another unit than a scan's; None: unknown."""
     if units.differ(unit, scan.unit):
         raise ArgumentError(
-            f"labels: the lengths of the segmentation are in {unit}, those of the scan {scan.name!r} in {scan.unit}; "
+            f"labels: the lengths of the segmentation are in {unit}, the scan {scan.name!r} is in {scan.unit}; "
             "open one of them with spacing= and unit= of the other"
         )
 
@@ -135,7 +135,7 @@ def _directions(world_from_index: Array) -> Array:
 
 
 def _whole_shift(shape: tuple[int, ...], scan_from_own: Array) -> NDArray[np.intp] | None:
-    """Index (x, y, z) of the first sample in the scan; None where samples lie beside those of the scan."""
+    """Index (x, y, z) of the first sample in the scan; None where samples lie between the scan's samples."""
     last = np.array(shape[::-1]) - 1.0
     ends = np.array([[(k >> axis) & 1 for axis in range(3)] for k in range(8)]) * last
     moved = ends @ scan_from_own[:3, :3].T + scan_from_own[:3, 3] - ends

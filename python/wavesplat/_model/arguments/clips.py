@@ -180,7 +180,7 @@ class ClipPlane:
 @public
 @dataclass(frozen=True)
 class CutOut:
-    """A clip that takes a box out, to look into the volume; colours stay those of the whole volume.
+    """A clip that takes a box out, to look into the volume; colours stay as in the whole volume.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ MEND = (
 
 
 def combined_clips(given: object) -> Clipping:
-    """The clips combined: boxes are intersected within each space, and those of a second space become planes."""
+    """The clips combined: boxes are intersected within each space, and boxes of a second space become planes."""
     clips = clip_tuple(given)
     crops = [clip for clip in clips if isinstance(clip, Crop)]
     planes = [clip for clip in clips if isinstance(clip, ClipPlane)]

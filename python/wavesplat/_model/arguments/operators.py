@@ -130,7 +130,7 @@ class DepthShadedMaximum:
 class DepthColoredMaximum:
     """The largest value along a ray, in a colour by its depth: Fiji's temporal-color code, of depth.
 
-    The hue is that of the maximum's place, the brightness that of its value, as a share of the brightest. Where
+    The hue shows the place of the maximum, the brightness its value, as a share of the brightest. Where
     nothing is bright, the picture is clear. `Picture.annotated(colorbar=True)` draws the scale of places.
 
     Parameters

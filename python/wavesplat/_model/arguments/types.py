@@ -282,7 +282,7 @@ def takes_options(
     in_full : bool, default False
         Write out what the options mean, in place of the entry ``**options``; else their names, in place of its name.
     defaults
-        Defaults that differ from those of `values`.
+        Defaults that differ from the defaults of `values`.
     """
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:

@@ -47,7 +47,7 @@ class Place:
 
 
 def place_of(dataset: h5py.Dataset) -> Place:
-    """The place by a dataset's attributes, or those of the mesh it is a component of; the identity without any."""
+    """The place by the attributes of a dataset, or of the mesh it is a component of; the identity without any."""
     sizes = dataset.attrs.get("element_size_um")
     if sizes is not None and np.size(sizes) == 3:
         z, y, x = (float(size) for size in np.ravel(sizes))
@@ -100,7 +100,7 @@ def text(value: Any) -> str:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
-# Files that hold the samples of an HDF5 dataset: its own, those of external storage, and sources of virtual ones.
+# Files that hold the samples of an HDF5 dataset: its own, files of external storage, and sources of virtual ones.
 
 #: Nesting of virtual datasets whose files are found, at most.
 MAX_DEPTH = 8

@@ -70,7 +70,7 @@ def of_itk(image: Any) -> Converted:
     matrix = affine.affine_of(
         np.asarray(itk.array_from_matrix(image.GetDirection())), tuple(image.GetSpacing()), tuple(image.GetOrigin())
     )
-    # Samples begin at the buffered region, the origin is that of index 0.
+    # Samples begin at the buffered region, the origin is the place of index 0.
     first = np.array(tuple(image.GetBufferedRegion().GetIndex()), np.float64)
     matrix[:3, 3] += matrix[:3, :3] @ first
     return _converted(itk.array_from_image(image), matrix, _metadata(image.GetMetaDataDictionary()))

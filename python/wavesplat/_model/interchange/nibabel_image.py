@@ -1,4 +1,4 @@
-"""Images of nibabel: their place, scaled samples and facts, for images in memory and for those of the reader.
+"""Images of nibabel: their place, scaled samples and facts, for images in memory and for images that the reader opens.
 
 NIfTI's world is RAS already; the sform wins over the qform.
 """
@@ -81,7 +81,7 @@ def scaled(stored: NDArray[Any], slope: float, intercept: float) -> NDArray[Any]
 def type_of_scaled(
     stored: np.dtype[Any], slope: float, intercept: float, limits: tuple[int, int] | None = None
 ) -> np.dtype[Any]:
-    """The type of scaled samples, by the limits of the stored ones, of integers, or else by those of their type."""
+    """The type of scaled samples, by `limits`, the smallest and largest stored integer, or else by their type."""
     if stored.kind in "iu" and slope.is_integer() and intercept.is_integer():
         limits = limits or (int(np.iinfo(stored).min), int(np.iinfo(stored).max))
         ends = [end * int(slope) + int(intercept) for end in limits]

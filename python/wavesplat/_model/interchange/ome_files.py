@@ -174,7 +174,7 @@ MIN_HALVED = 4
 MAX_ZARR_BYTES = 1 << 25
 #: Percentiles of the coarsest level that make the window of a channel that has none.
 WINDOW = (1.0, 99.8)
-#: Our names of units -> those of OME-Zarr.
+#: Our names of units -> names in OME-Zarr.
 UNITS = {
     "km": "kilometer",
     "m": "meter",

@@ -220,7 +220,7 @@ def _of_xml(root: Element) -> list[_Proxy]:
 
 
 def _plain(name: str) -> str:
-    """The name of an array in that of its map: "1.density.PVLookupTable" or "density"."""
+    """The name of an array in the name of its map: "1.density.PVLookupTable" or "density"."""
     for suffix in (*TABLES, *OPACITIES):
         if name.endswith(f".{suffix}"):
             name = name.removesuffix(f".{suffix}")

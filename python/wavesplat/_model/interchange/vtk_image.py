@@ -38,7 +38,7 @@ def of_vtk(image: Any) -> Converted:
     direction = image.GetDirectionMatrix()
     rows = np.array([[direction.GetElement(i, j) for j in range(3)] for i in range(3)])
     matrix = affine.affine_of(rows, image.GetSpacing(), image.GetOrigin())
-    # The origin is that of point 0; the image may begin at another.
+    # The origin is the place of point 0; the image may begin at another.
     matrix[:3, 3] += matrix[:3, :3] @ (extent[:, 0] + (0.5 if of_cells else 0.0))
     samples: NDArray[Any] = np.asarray(array).reshape(tuple(size[::-1]))
     name = array.GetName()

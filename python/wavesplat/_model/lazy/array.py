@@ -83,7 +83,7 @@ class LazyArray(Protocol):
 
     @property
     def token(self) -> str | None:
-        """Name that identifies these samples among those of the same files or, without files, among all; None if none.
+        """Name that identifies these samples within the same files or, without files, among all; None if none.
 
         A name does not identify content: surveys of arrays that have nothing but a name (of Dask, of an address) are
         only kept in a folder that the user has given.
@@ -187,7 +187,7 @@ class SlicedArray:
         return converted(self._turned(part), self.dtype, self._stored, self.name)
 
     def whole(self) -> NDArray[Any]:
-        """All samples, in the type that they are stored in; errors are those of the library that reads them."""
+        """All samples, in the type that they are stored in; errors come from the library that reads them."""
         source, index = self._source, self._index((0, 0, 0), self.shape)
         if self._check is not None:
             self._check(source, index)

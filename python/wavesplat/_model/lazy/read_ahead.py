@@ -51,8 +51,8 @@ class ReadCounts:
 class SampleBuffers:
     """Memory for the samples of each array, two pieces that are used in turns.
 
-    A step of drawing has its samples in one piece while those of the next are read into the other. New memory for each
-    step would be cleared and mapped by the system page by page, which costs more than reading it does.
+    A step of drawing has its samples in one piece while the next step's samples are read into the other. New memory for
+    each step would be cleared and mapped by the system page by page, which costs more than reading it does.
     """
 
     def __init__(self) -> None:
@@ -273,7 +273,7 @@ def n_in(box: Box) -> int:
 
 
 def copy_overlap(before: NDArray[Any], of: Box, samples: NDArray[Any], held: Box) -> None:
-    """Copy the intersection of the boxes `of` and `held` from `before`, the samples of `of`, to those of `held`."""
+    """Copy the intersection of two boxes from `before`, the samples of the box `of`, to `samples` of the box `held`."""
     low = [max(a, b) for a, b in zip(of[0], held[0], strict=True)]
     high = [min(a, b) for a, b in zip(of[1], held[1], strict=True)]
     if any(a >= b for a, b in zip(low, high, strict=True)):

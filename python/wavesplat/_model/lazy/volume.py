@@ -237,7 +237,7 @@ class LazyVolume(Volume):
 
     @property
     def value_range(self) -> tuple[float, float]:
-        """Smallest and largest finite sample; of a pyramid those of a small level.
+        """Smallest and largest finite sample; in a pyramid, of a small level.
 
         Reads all samples of that level, unless that was done before.
         """
@@ -330,7 +330,7 @@ class LazyVolume(Volume):
         crop : Crop, optional
             The box, in the world or in samples (x, y, z) of the finest level; None is all of it.
         level : int, optional
-            Which level, 0 the finest; None is that of `at_level`, else the finest.
+            Which level, 0 the finest; None is the level chosen by `at_level`, else the finest.
 
         Returns
         -------

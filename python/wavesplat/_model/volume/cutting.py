@@ -33,7 +33,7 @@ def in_samples_of(grid: Grid, boxes: Boxes, first: Grid) -> Boxes:
     turn, offset = index_from_first[:3, :3], index_from_first[:3, 3]
     if np.count_nonzero(np.abs(turn) > ON_FACE * np.abs(turn).max()) != 3:
         raise ArgumentError(
-            f"CutOut is given in samples of {first.name!r}, on whose axes those of {grid.name!r} do not lie; "
+            f"CutOut is given in samples of {first.name!r}, but the axes of {grid.name!r} have other directions; "
             "give the box in the world"
         )
     return tuple(

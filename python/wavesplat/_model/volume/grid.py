@@ -98,7 +98,7 @@ class Grid:
 #: A convention of a file, kept among its facts: it names a patient's axes, and nothing else of a place.
 NO_PLACE = "axes of a patient: they are named, but samples are 1 apart, from the origin on, as by default"
 
-#: Of a file whose axes are those of a map, or of a survey.
+#: Convention of a file whose axes are the axes of a map, or of a survey.
 UPRIGHT = "x and y grow to the right and up in pictures, as on maps"
 
 

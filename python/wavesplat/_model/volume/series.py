@@ -97,7 +97,7 @@ def time_texts(times: tuple[float, ...], unit: str | None) -> tuple[str, ...]:
 
 
 def padded(texts: Sequence[str]) -> list[str]:
-    """The texts, filled up in front with figure spaces, so that those of digits are equally wide."""
+    """The texts, filled up in front with figure spaces, so that texts of digits are equally wide."""
     longest = max(map(len, texts))
     return [text.rjust(longest, FIGURE_SPACE) for text in texts]
 

@@ -174,10 +174,10 @@ class VolumePart:
     Parameters
     ----------
     samples : array, shape (z, y, x)
-        The part's own samples, and those of its neighbours around them (ghost or halo samples): three layers make the
-        picture that of the whole but for rounding, where the reconstruction is "linear"; four for "catmull-rom".
-        With fewer the outermost samples are repeated, which changes the light near faces that parts share. Those that
-        lie beyond the whole, in arrays with ghost samples all around, are left out.
+        The part's own samples, and its neighbours' samples around them (ghost or halo samples): with three layers the
+        picture is the picture of the whole but for rounding, where the reconstruction is "linear"; four for
+        "catmull-rom". With fewer the outermost samples are repeated, which changes the light near faces that parts
+        share. Samples that lie beyond the whole, in arrays with ghost samples all around, are left out.
         Shared, not copied, where it is an array of a type that the renderer takes, in C or any other order.
     start : (z, y, x)
         Index in the whole of the first of these samples; below 0 where it lies beyond the whole.
@@ -266,7 +266,8 @@ class VolumePart:
         Parameters
         ----------
         overviews : iterable of Overview or None
-            Those of all parts, this one's included, in any order. None is left out: of a process without samples.
+            The overviews of all parts, this one's included, in any order. None is left out: of a process without
+            samples.
         memory : str or number, optional
             As for `Volume.lazy`: bytes of copies that are made while it is drawn.
 
@@ -389,7 +390,7 @@ def _check_tiling(known: list[Overview], own: Box, shape: Shape, name: str) -> N
             f"the parts of {name!r} have {n_own} samples of {math.prod(shape)}; give the overviews of all of them"
         )
     if own not in boxes:
-        raise ArgumentError(f"the overviews of {name!r} are without that of this part, {_text_of(own)}; give all")
+        raise ArgumentError(f"the overviews of {name!r} lack the overview of this part, {_text_of(own)}; give all")
 
 
 def _text_of(box: Box) -> str:

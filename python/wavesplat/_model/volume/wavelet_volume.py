@@ -216,7 +216,7 @@ class WaveletVolume(Grid):
     def psnr(self) -> float | None:
         """PSNR that was reached, in dB, where `from_volume` was given one; else None.
 
-        Infinite where the samples come back exactly, as those of a constant do. Pickles keep it, files do not.
+        Infinite where the samples come back exactly, as samples that are all equal do. Pickles keep it, files do not.
         """
         return self._psnr
 

@@ -134,7 +134,7 @@ def _without_nan(value: Any) -> Any:
 
 
 def shapes_of(geometry: list[Any], what: str, reach: Reach) -> list[Shape]:
-    """The shapes that a document describes, those of files opened. `what`: the place there, for messages."""
+    """The shapes that a document describes; files of shapes are opened. `what`: the place there, for messages."""
     return [_shape(one, f"{what}[{number}]", reach) for number, one in enumerate(geometry)]
 
 

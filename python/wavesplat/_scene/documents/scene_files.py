@@ -82,7 +82,7 @@ def _channel(layer: Layer) -> Channel:
 
 
 def _shown(look: object, own: Channel) -> tuple[Any, Any]:
-    """Colour and window of a channel's look; of another look those of the volume."""
+    """Colour and window of a channel's look; with another look, the volume's own."""
     light = light_of(look) if isinstance(look, Look) else None
     if light is None:
         return own.color, own.window

@@ -5,7 +5,7 @@
     T_merge = 16 bytes · texels · segments / (workers · rate),   T_tasks = tasks · 1 ms,
     T_send = bytes of shapes · workers / rate
 
-Bytes are those of the plan that the picture would be drawn by, chunk by chunk, with the share that a rehearsal of it
+Bytes are counted in the plan that the picture would be drawn by, chunk by chunk, with the share that a rehearsal of it
 takes (`cost.py`); rates of reading and drawing are measured on this machine unless they are given. Blocks take
 unequal times: half of the whole is added for the last ones.
 """
@@ -162,7 +162,7 @@ def rehearsed(
     own = frame_of(thinned, look, spec.camera, DrawOptions(size=size, device="cpu"), crop)
     own = replace(own, n_blocks=n_blocks)
     try:
-        # Steps are as deep, in the world, as those of the frame within its budget.
+        # Steps are as deep, in the world, as the steps of the frame within its budget.
         stream = replace(own, memory=max(1, spec.budget // step**3)).stream()
     except LimitError:
         stream = own.stream()
@@ -304,7 +304,7 @@ def plan(
     camera : Camera, optional
         None is a three-quarter view of all of it, or of the crop.
     workers, cores : int
-        Machines, and cores of each; None is those of this one.
+        Machines, and cores of each; None is the cores of this machine.
     memory : str or number, optional
         Memory of a worker for samples and bounds; None is the volume's.
     segments : int, optional

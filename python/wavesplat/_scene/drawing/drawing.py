@@ -164,7 +164,8 @@ def camera_of(scene: Scene, camera: Camera | str | None, options: DrawOptions) -
 
 
 def _clipping_of(scene: Scene, shown: DrawnLayers) -> Clipping:
-    # A box in samples is in those of the first layer, which the compiled module knows only where it draws it alone.
+    # A box in samples counts the samples of the first layer, which the compiled module knows only where it draws it
+    # alone.
     is_alone = shown.has_first and len(shown.layers) == 1
     return scene._clipping if is_alone else scene._clipping.in_world(shown.first)
 
@@ -205,7 +206,7 @@ def _facts(
 
 
 def _placed_labels(labels: Labels, scan: Volume | WaveletVolume, report: Mapping[str, Any]) -> Labels:
-    """The labels on the samples that were drawn: of a lazy scan, those of a level."""
+    """The labels on the samples that were drawn: of a lazy scan, the samples of a level."""
     if not isinstance(scan, LazyVolume) or labels.world_from_index is None:
         return labels.on_samples_of(scan)
     of_first = report if "lazy" in report else report["layers"][0]

@@ -45,7 +45,7 @@ class DrawnColor:
         return self.layer.name or self.volume.name
 
     def function_at(self, opacity: TransferFunction | TransferFunction2D, operator: Operator) -> TransferFunction:
-        """The colours by the field's values; on a surface, those of a function of two fields at its value."""
+        """The colours by the field's values; on a surface, the colours of a function of two fields at its value."""
         if not isinstance(opacity, TransferFunction2D) or not isinstance(operator, FirstHit):
             return self.function
         rows = opacity.magnitudes

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class MeasuredErrors:
-    """The measurements of a picture, and those of the last one of its kind."""
+    """The measurements of a picture, and of the last picture of its kind."""
 
     is_wanted: bool
     #: The scene's `Cache`.
@@ -171,7 +171,7 @@ def with_opacity(frame: DrawnFrame, layer: DrawnLayer, function: Curves) -> Curv
 
 
 def _light(scene: Scene, layer: DrawnLayer, of: Camera | None) -> Shading | None:
-    """Light of a layer; that of the camera `of` in pictures from elsewhere."""
+    """Light of a layer; with a camera `of`, fixed in the world where that camera has it."""
     own = scene.shading is None or isinstance(scene.shading, Shading)
     light: Any = scene.shading if own else layer.look.shading
     return light if of is None else in_world(light, of)

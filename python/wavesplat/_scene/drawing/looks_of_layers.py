@@ -1,7 +1,7 @@
 """The looks of a scene's layers, in the operator that all share.
 
 Layers without a look get one by the kind of their data. Where there are several, channels of fluorescence have colours
-that can be distinguished: those of the file, or, where it has none or two are the same, `IN_SPACE`.
+that can be distinguished: the colours of the file, or, where it has none or two are the same, `IN_SPACE`.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ def _with_distinct_colors(
 
 
 def _over_others(scene: Scene, layers: Sequence[Layer], looks: Sequence[Look], composite: Composite) -> list[Look]:
-    """The looks, those of further layers clear where their values are least, so that they do not hide the rest."""
+    """The looks; looks of further layers are clear where values are least, so that they do not hide the rest."""
     made, maps = list(looks), cycle(OVERLAY_MAPS)
     for k, layer in enumerate(layers):
         if layer is scene.layers[0]:

@@ -50,7 +50,7 @@ def progressive(
 ) -> Iterator[Picture]:
     """Pictures of one view, each better than the one before.
 
-    The last one is that of `Scene.render`, to the byte where the same device draws.
+    The last one is the picture of `Scene.render`, to the byte where the same device draws.
     Of a lazy volume with levels of detail the coarsest comes first, within a small part of the bytes; the wanted level
     then fills in block by block. Of any other volume a quick picture comes first.
 

@@ -128,8 +128,8 @@ def render_part(
     volume : LazyVolume
         From `VolumePart.whole`.
     look, camera, shading, clip, background
-        As for `wavesplat.render`, and the same in all processes. Looks and cameras that are left out are those of the
-        whole: they are made from the overviews. Projections whose brightness depends on the view ("minimum", "mean",
+        As for `wavesplat.render`, and the same in all processes. Looks and cameras that are left out are made from the
+        overviews, as for the whole volume. Projections whose brightness depends on the view ("minimum", "mean",
         "sum", "x-ray") need a look.
     **options : RenderOptions
         As for `wavesplat.render`; not `client`, `segments`, `psnr`, `stereo` and `panorama`. `depth` is for maxima and

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
-#: Largest number of transfer functions whose fields are kept: those of layers, and one per view of projections.
+#: Largest number of transfer functions whose fields are kept: one per layer, and one per view of projections.
 MAX_KEPT = 32
 
 
@@ -102,7 +102,7 @@ def _resolved(scene: Scene, layer: DrawnLayer, curves: Curves) -> Any:
 
 
 def _curves(scene: Scene, curves: Curves) -> dict[str, Any]:
-    """Fields of a transfer function; those of two dimensions are large, and kept."""
+    """Fields of a transfer function; fields of two dimensions are large, and kept."""
     kept = scene._cache.documents
     found = kept.get(id(curves))
     if found is None or found[0] is not curves:

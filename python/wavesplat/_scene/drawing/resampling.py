@@ -38,8 +38,8 @@ def check_units(grids: list[Volume | WaveletVolume]) -> None:
         first = known[0]
         if units.differ(grid.unit, first.unit):
             raise ArgumentError(
-                f"the lengths of {first.name!r} are in {first.unit}, those of {grid.name!r} in {grid.unit}; open one "
-                "of them with spacing= and unit= of the other"
+                f"the lengths of {first.name!r} are in {first.unit}, the lengths of {grid.name!r} in {grid.unit}; open "
+                "one of them with spacing= and unit= of the other"
             )
 
 
@@ -49,7 +49,7 @@ def is_oblique(grid: Grid, first: Grid) -> bool:
 
 
 def on_axes_of(volume: Volume | WaveletVolume, first: Grid) -> Volume | WaveletVolume:
-    """The volume on axes that are parallel to those of another grid, in their order."""
+    """The volume on axes that are parallel to the axes of another grid, in their order."""
     order = _order(volume, first)
     if order == (0, 1, 2):
         return volume
@@ -93,7 +93,7 @@ def _turned(volume: Volume, order: tuple[int, ...]) -> Volume:
 
 
 def _resampled(volume: Volume, axes: Array) -> Volume:
-    """Samples between those of a volume, on axes of these directions."""
+    """Samples between the samples of a volume, on axes of these directions."""
     index_from_world = np.linalg.inv(volume.world_from_index[:3, :3])
     # The distance along each axis over which the index moves by one sample: the volume's own resolution there.
     steps = 1 / np.linalg.norm(index_from_world @ axes, axis=0)

@@ -213,7 +213,7 @@ COARSE_PX = 96
 
 @dataclass(frozen=True)
 class SliceLayer:
-    """A further layer, which lies over the first one on cuts; `identity` is that of its samples."""
+    """A further layer, which lies over the first one on cuts; `identity` identifies its samples."""
 
     volume: Volume | WaveletVolume
     identity: object
@@ -223,7 +223,7 @@ class SliceLayer:
 
 @dataclass(frozen=True)
 class SliceSource:
-    """The volume, clips, labels and further layers that slices in a scene show; `identity` is that of the samples."""
+    """The volume, clips, labels and further layers that slices in a scene show; `identity` identifies the samples."""
 
     volume: Grid
     identity: object
@@ -278,7 +278,7 @@ class SliceOnCut:
 
 def _cut(plane: SlicePlane, source: SliceSource) -> tuple[list[CutFace], Any]:
     """The faces of a scene's cuts, and the volume that a slice plane shows on them."""
-    # Boxes in samples are in those of the first layer, also for the slices of another volume.
+    # Boxes in samples count the samples of the first layer, also for the slices of another volume.
     volume: Any = source.part if plane.volume is None else plane.volume
     return cut_faces(source.clipping, source.volume), volume[0] if isinstance(volume, Series) else volume
 

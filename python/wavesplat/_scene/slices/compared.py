@@ -174,13 +174,13 @@ def _differing(
     units = unit_of_values(first), unit_of_values(other)
     if all(units) and units[0] != units[1]:
         raise ArgumentError(
-            f"values of {first.name!r} are in {units[0]}, those of {other.name!r} in {units[1]}, so they have no "
+            f"values of {first.name!r} are in {units[0]}, values of {other.name!r} in {units[1]}, so they have no "
             "difference; open both in one unit"
         )
     offsets = offset_of(first), offset_of(other)
     if offsets[0] != offsets[1]:
         raise ArgumentError(
-            f"values of {first.name!r} are Hounsfield units with {offsets[0]:g} added, those of {other.name!r} with "
+            f"values of {first.name!r} are Hounsfield units with {offsets[0]:g} added, values of {other.name!r} with "
             f"{offsets[1]:g}, so their difference says nothing; subtract these from the samples first"
         )
     if isinstance(window, str):

@@ -35,7 +35,7 @@ from wavesplat.errors import ArgumentError
 Facts: TypeAlias = Mapping[str, Any]
 Line: TypeAlias = NDArray[np.float64]
 
-#: Colours by the world's axis that is most across the planes, those of the viewer's slices.
+#: Colours by the world's axis that is most across the planes, as the viewer colours its slices.
 COLORS = {"z": (1.0, 0.42, 0.42), "y": (0.42, 0.83, 0.42), "x": (0.42, 0.66, 1.0)}
 #: Sine of the angle of two planes, below which they count as parallel.
 PARALLEL = 1e-6
@@ -171,8 +171,8 @@ def lightbox(
     Returns
     -------
     Picture
-        The sheet, without `value`. `report` is that of the slices; `panels` has plane, position, and the place on the
-        sheet (left, top, width and height, pixels) of each; the last one is the scout, if there is one.
+        The sheet, without `value`. `report` is the report of the slices; `panels` has plane, position, and the place on
+        the sheet (left, top, width and height, pixels) of each; the last one is the scout, if there is one.
 
     Raises
     ------
@@ -224,7 +224,7 @@ def lightbox(
     }
     pictures = []
     for (one, position), shown, (width, height), turned in zip(cuts, sides, sizes, is_turned, strict=True):
-        # The scale of `slice` follows the size; the zoom makes it that of the sheet.
+        # The scale of `slice` follows the size; the zoom makes it the scale of the sheet.
         own = max(side / (max(n, 2) - 1) for side, n in zip(shown, (width, height), strict=True))
         size_of_slice = (height, width) if turned else (width, height)
         place: Any = {"size": size_of_slice, "zoom": zoom * own / pixel, "center": center, "thickness": thickness}

@@ -152,7 +152,7 @@ def _lines_of(planes: Planes, region: Region, scan: Grid) -> Lines:
 
 
 def _nearest(places: NDArray[np.float64], planes: Planes, scan: Grid) -> list[int]:
-    """The lines of the plane that a slice shows; `places`: those of all lines along its normal, from it on."""
+    """The lines of the plane that a slice shows. `places`: distances of all lines from it, along its normal."""
     step = planes.step_of(scan)
     distinct = np.sort(places)[np.diff(np.sort(places), prepend=-np.inf) > FLAT * step]
     usual = max(float(np.median(np.diff(distinct))), step) if len(distinct) > 1 else step

@@ -89,14 +89,14 @@ def slice(
         over it at the same places, in their order, as PET over CT does; of a series the volume of its time.
         Channels, which have looks of `Look.channel` or are fluorescence without a look, are added in their colours over
         black instead, with the gamma and exposure of `Look.changed`.
-        Their colours are those of their looks, or of a map such as "hot" where they have none, as in space.
+        They have the colours of their looks, or of a map such as "hot" where they have none, as in space.
         `Layer.opacity` is how opaque a layer is where the opacity of its look is greatest; elsewhere it is less in
         proportion. Below the low end of its look, where it is transparent and outside of its volume a layer does not
         show.
         A segmentation alone has the colours of its labels: whole numbers, also as floating-point numbers, that are the
         same from sample to sample. A mask has them where its file names it; else it is white.
-        The labels of a scene lie over the slice, faint inside and full along their outlines; of a slab those of its
-        middle plane. Clips and the background of a scene are for pictures in space.
+        The labels of a scene lie over the slice, faint inside and full along their outlines; over a slab lie the
+        labels of its middle plane. Clips and the background of a scene are for pictures in space.
     plane : str or (point, normal), optional
         "axial", "coronal" or "sagittal" of a patient, as radiologists read them: from the feet, the front, and the
         patient's left. "xy", "xz" or "yz" of other data, as arrays are shown: the first axis to the right, the second
@@ -140,9 +140,9 @@ def slice(
         samples, in the map "coolwarm", red where the first one is larger. `clim` or `window` say the values of its
         ends; without them these are as far from 0 as the largest hundredth of the differences in the whole scan.
     contours : Labels, Region, or sequence of them, optional
-        Regions as lines: those of a structure set (RTSTRUCT), `wavesplat.Region.open(path)`, or the outlines of labels.
-        A slice parallel to a region's lines shows those of the nearest plane, if it lies within half the distance of
-        planes; any other slice the outline of the voxels inside. Labels may lie on a grid of their own.
+        Regions as lines: of a structure set (RTSTRUCT), `wavesplat.Region.open(path)`, or the outlines of labels.
+        A slice parallel to a region's lines shows the lines of the nearest plane, if it lies within half the distance
+        of planes; any other slice the outline of the voxels inside. Labels may lie on a grid of their own.
     isolines : Isolines or sequence of them, optional
         Lines of equal value, such as isodoses: `wavesplat.Isolines(dose, [20, 40, 60])`.
     background : colour, optional
@@ -304,7 +304,7 @@ def _limits(scene: Scene, channels: Channels) -> tuple[float, float]:
 
 
 def _named(shown: list[dict[str, Any]], first: Layer, *, is_compared: bool) -> list[dict[str, Any]]:
-    """The report's entries for the colours of the first layer, by the layer's name; two scans have those of both."""
+    """The report's entries for the colours of the first layer, by the layer's name; two scans have entries of both."""
     return shown if is_compared else [{**one, "name": first.name} for one in shown]
 
 
@@ -396,7 +396,7 @@ def _found_curves(layer: Layer, colormap: str | None) -> TransferFunction:
 
 
 def _of_values(layer: Layer, look: Look) -> TransferFunction:
-    """The curves of a layer's look; those of values and gradients are refused."""
+    """The curves of a layer's look; curves of values and gradients are refused."""
     curves = look.transfer_function
     if isinstance(curves, TransferFunction2D):
         raise ArgumentError(

@@ -76,6 +76,7 @@ ROOMS = {
     ],
     "crates/wavelet/src": ["family", "error", "transform", "volume"],
     "crates/lod/src": ["sample_box", "probe_rays", "level_brightness", "level_histogram", "level_transfer_function"],
+    "crates/files/src": ["length_units", "stored", "error", "nifti", "nrrd"],
     "crates/look/src": ["colors", "channel_colors"],
     "crates/view/src": ["rotation", "lens", "named", "pose", "fit"],
     "crates/wavesplat/src": [
@@ -106,6 +107,7 @@ LEAVES = {
     "crates/gpu/src": ["lib"],
     "crates/wavelet/src": ["lib"],
     "crates/lod/src": ["lib"],
+    "crates/files/src": ["lib"],
     "crates/look/src": ["lib"],
     "crates/view/src": ["lib"],
     "crates/wavesplat/src": ["lib"],

@@ -1,0 +1,170 @@
+"""Small NIfTI and NRRD files, and what Python's readers find in them, for the tests of the crate `files`.
+
+    python python/tests/shared/file_cases.py > crates/files/tests/cases.jsonl
+
+prints a line for each file: its bytes, and its size, type, affine and facts, and a checksum of its samples; or a word
+that the crate's error must hold, where it refuses the file.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import tempfile
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+SHAPE = (4, 3, 2)  # x, y, z
+FACTS = ("unit", "is_anatomical", "modality", "value_unit", "quantity", "conventions", "guesses")
+OBLIQUE = np.array([[-0.8, 0.3, 0.1, 5.5], [0.2, 0.9, -0.4, -7.25], [0.1, 0.2, 2.5, 30.125], [0, 0, 0, 1]])
+
+
+def ramp(dtype: str) -> np.ndarray:
+    """Numbers that differ in all places, [x, y, z]."""
+    return (np.arange(np.prod(SHAPE)).reshape(SHAPE, order="F") * 7 - (0 if dtype[-2] == "u" else 20)).astype(dtype)
+
+
+def nifti(dtype: str = "<i2", *, second: bool = False, affine: Any = OBLIQUE, form: str = "s", **fields: Any) -> bytes:
+    """The bytes of a NIfTI file. `form`: which of sform and qform has a code; `fields`: fields of the header."""
+    import nibabel as nib
+
+    kind = nib.Nifti2Image if second else nib.Nifti1Image
+    samples = fields.pop("samples", ramp(dtype))
+    image = kind(samples, None, dtype=samples.dtype)
+    header = kind.header_class(endianness=">" if dtype[0] == ">" else "<")
+    header.set_data_dtype(samples.dtype)
+    header.set_data_shape(samples.shape)
+    header.set_sform(affine, code="scanner" if "s" in form else "unknown")
+    header.set_qform(affine, code="scanner" if "q" in form else "unknown")
+    header["vox_offset"] = header.single_vox_offset
+    header["magic"] = header.single_magic
+    offset = int(header["vox_offset"])
+    for name, value in fields.items():
+        header[name] = value
+    del image
+    return header.binaryblock.ljust(offset, b"\0") + samples.tobytes(order="F")
+
+
+def nrrd(*lines: str, samples: bytes = b"", dtype: str = "<i2", between: bytes = b"") -> bytes:
+    """The bytes of an NRRD file with the lines of its header."""
+    samples = samples or ramp(dtype).tobytes(order="F")
+    text = "\n".join(["NRRD0005", "dimension: 3", "sizes: 4 3 2", *lines])
+    return text.encode("latin-1") + b"\n\n" + between + samples
+
+
+PLACED = ("space directions: (0.5,0,0.1) (0,0.75,0) (-0.1,0,2)", "space origin: (10,-20,30.5)")
+
+
+def files() -> Iterator[tuple[str, bytes, str]]:
+    """The files: name, bytes, and a word of the reason why the crate refuses it, or nothing."""
+    yield from nifti_files()
+    yield from nrrd_files()
+    yield "empty.nrrd", b"", "empty"
+    yield "other.png", b"\x89PNG\r\n\x1a\n", "more formats"
+
+
+def nifti_files() -> Iterator[tuple[str, bytes, str]]:
+    """Files of each type, version, byte order, place and slope, and damaged ones."""
+    yield "sform.nii", nifti(), ""
+    yield "packed.nii.gz", gzip.compress(nifti(xyzt_units=2), mtime=0), ""
+    yield "qform.nii", nifti(form="q"), ""
+    yield "mirrored_qform.nii", nifti(form="q", affine=np.diag([-1.5, 2, 3, 1])), ""
+    yield "both_forms.nii", nifti(form="sq"), ""
+    yield "no_form.nii", nifti(form="", pixdim=[1, 0.5, 0, 2, 1, 1, 1, 1]), ""
+    yield "big_endian.nii", nifti(">f4"), ""
+    yield "whole_slope.nii", nifti(scl_slope=2, scl_inter=-1000), ""
+    yield "wide_whole_slope.nii", nifti(scl_slope=2000, scl_inter=-100000), ""
+    yield "slope.nii", nifti("<u2", scl_slope=0.1, scl_inter=-3.3), ""
+    yield "slope_nan.nii", nifti(scl_slope=np.nan, scl_inter=np.nan), ""
+    yield "huge_slope.nii", nifti("<f4", scl_slope=3e37), ""
+    yield "double_slope.nii", nifti("<f8", scl_slope=0.3, scl_inter=1), ""
+    yield "narrowed.nii", nifti("<i8"), ""
+    yield "narrowed_unsigned.nii", nifti("<u8"), ""
+    yield "uint32.nii", nifti("<u4"), ""
+    yield "int8.nii", nifti("|i1"), ""
+    yield "second.nii", nifti("<f8", second=True, xyzt_units=3, form="q"), ""
+    yield "second_sform.nii", nifti(">u1", second=True), ""
+    yield "metres.nii", nifti(xyzt_units=1, affine=np.diag([0.001, 0.002, 0.003, 1])), ""
+    yield "unknown_unit.nii", nifti(xyzt_units=5), ""
+    yield "z_score.nii", nifti("<f4", intent_code=5), ""
+    yield "no_anatomy.nii", nifti(descrip=b"axes without anatomy", xyzt_units=2), ""
+    yield "no_offset.nii", nifti(vox_offset=0), ""
+    yield "nan.nii", nifti(samples=np.where(ramp("<f4") > 60, np.float32(np.nan), ramp("<f4"))), ""
+    yield "times.nii", nifti(samples=np.stack([ramp("<i2")] * 2, axis=-1)), "2 volumes"
+    yield "colors.nii", nifti(datatype=128, bitpix=24), "colours"
+    yield "truncated.nii", nifti()[:-1], "truncated"
+    yield "truncated.nii.gz", gzip.compress(nifti(), mtime=0)[:-20], "damaged"
+    yield "offset_in_header.nii", nifti(vox_offset=348), "vox_offset"
+
+
+def nrrd_files() -> Iterator[tuple[str, bytes, str]]:
+    """Files of each space, unit, encoding and place of the samples, and damaged ones."""
+    raw, short = "encoding: raw", "type: short"
+    little = "endian: little"
+    lps, ras = "space: left-posterior-superior", "space: RAS"
+    packed = gzip.compress(ramp("<i2").tobytes(order="F"), mtime=0)
+    yield "lps.nrrd", nrrd(short, little, raw, lps, *PLACED), ""
+    yield "ras_packed.nrrd", nrrd(short, little, "encoding: gzip", ras, *PLACED, samples=packed), ""
+    yield "las.nrrd", nrrd("type: float", little, raw, "space: LAS", *PLACED, dtype="<f4"), ""
+    yield "no_space.nrrd", nrrd(short, little, raw, "space dimension: 3", *PLACED), ""
+    yield "spacings.nrrd", nrrd("type: uchar", raw, "spacings: 0.5 1 2", 'units: "um" "um" "mm"', dtype="|u1"), ""
+    yield "no_spacings.nrrd", nrrd("type: uchar", raw, dtype="|u1"), ""
+    yield (
+        "microns.nrrd",
+        nrrd(short, little, raw, "space dimension: 3", *PLACED, 'space units: "\xb5m" "\xb5m" "nm"'),
+        "",
+    )
+    yield "strange_unit.nrrd", nrrd(short, little, raw, "spacings: 1 1 1", 'units: "kpc" "mm" "mm"'), ""
+    yield "keys.nrrd", nrrd(short, little, raw, lps, *PLACED, "modality:=CT", "unit:=cm", "value_unit:=HU"), ""
+    yield "dicom_key.nrrd", nrrd(short, little, raw, lps, *PLACED, "0008|0060:=XA"), ""
+    yield "sample_units.nrrd", nrrd(short, little, raw, lps, *PLACED, 'sample units: "Gy"'), ""
+    axes = "space directions: (1,0,0) (0,1,0) (0,0,1)"
+    yield "no_place.nrrd", nrrd(short, little, raw, lps, axes, "space origin: (0,0,0)"), ""
+    yield "big_endian.nrrd", nrrd("type: int", "endian: big", raw, ras, *PLACED, dtype=">i4"), ""
+    yield "wide.nrrd", nrrd("type: longlong", little, raw, ras, *PLACED, dtype="<i8"), ""
+    yield "skipped.nrrd", nrrd(short, little, raw, ras, *PLACED, "byte skip: -1", between=b"other bytes"), ""
+    yield "lines.nrrd", nrrd(short, little, raw, ras, *PLACED, "line skip: 2", between=b"one\ntwo\n"), ""
+    yield "detached.nhdr", nrrd(short, little, raw, ras, *PLACED, "data file: detached.raw")[: -2 * 24], ""
+    yield "comment.nrrd", nrrd("# a comment: of words", short, little, raw, ras, *PLACED), ""
+    yield "truncated.nrrd", nrrd(short, little, raw, ras, *PLACED)[:-1], "truncated"
+    yield "bzip2.nrrd", nrrd(short, little, "encoding: bzip2", ras, *PLACED), "bzip2"
+    yield (
+        "other_folder.nhdr",
+        nrrd(short, little, raw, ras, *PLACED, "data file: ../a.raw")[: -2 * 24],
+        "another folder",
+    )
+    yield "missing.nhdr", nrrd(short, little, raw, ras, *PLACED, "data file: none.raw")[: -2 * 24], "none.raw"
+
+
+def found(path: Path) -> dict[str, Any]:
+    """Size, type, affine and facts that Python's readers find in a file, and a checksum of the samples."""
+    import wavesplat as ws
+
+    volume = ws.open(path)
+    samples = volume.samples
+    return {
+        "size": list(samples.shape[::-1]),
+        "type": samples.dtype.name,
+        "crc32": zlib.crc32(samples.astype(samples.dtype.newbyteorder("<")).tobytes()),
+        "affine": volume.world_from_index[:3].tolist(),
+        "facts": {name: value for name, value in volume.facts.as_json().items() if name in FACTS},
+    }
+
+
+def lines() -> Iterator[str]:
+    """A line of JSON for each file."""
+    with tempfile.TemporaryDirectory() as made:
+        folder = Path(made)
+        (folder / "detached.raw").write_bytes(ramp("<i2").tobytes(order="F"))
+        for name, content, reason in files():
+            (folder / name).write_bytes(content)
+            line = {"file": name, "bytes": content.hex(), **({"refused": reason} if reason else found(folder / name))}
+            yield json.dumps(line)
+
+
+if __name__ == "__main__":
+    print("\n".join(lines()))

@@ -124,7 +124,7 @@ def test_folders_that_lead_in_a_circle_are_entered_once(tmp_path):
 
 def test_a_tree_of_very_many_files_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(places, "MAX_ENTRIES", 5)
-    with pytest.raises(FileError, match="more than 5 files and folders; name that of a patient"):
+    with pytest.raises(FileError, match="more than 5 files and folders; name the folder of a patient"):
         ws.open(study(tmp_path / "patient"))
 
 

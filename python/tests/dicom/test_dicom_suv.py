@@ -151,7 +151,7 @@ def test_the_start_of_the_scan_by_ge(tmp_path):
 
 def test_else_the_start_of_the_first_frame_is_a_guess(tmp_path):
     volume = check_suv(pet(tmp_path / "pet", **LATER), expected(65))
-    assert "as that of its first frame" in volume.guesses[0]
+    assert "as the start of its first frame" in volume.guesses[0]
 
 
 @pytest.mark.parametrize(("element", "number", "factor"), [(0x00, 0.0003, 0.0003), (0x09, 2.0, 2.0 * expected(65))])

@@ -59,7 +59,7 @@ def camera_of(viewer: Any) -> Camera:
     half_height = height / float(camera.zoom) / 2
     center = _xyz((*[0.0] * (3 - len(camera.center)), *camera.center))
     if viewer.dims.ndisplay == 2:
-        # The slices that are shown: the world's z is that of the slider.
+        # The slices that are shown: the slider gives the world's z.
         center[2] = float(viewer.dims.point[-3])
         forward, up = _flat_axes(camera)
         angle = 0.0

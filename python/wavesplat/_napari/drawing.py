@@ -50,7 +50,7 @@ def scene_of(viewer: Any, composite: Composite | None = None) -> Scene:
         no depth, and as surfaces beside an isosurface. Points are balls of their
         size, tracks are drawn with their tails and heads, of shapes the outlines.
     composite : str, optional
-        Operator that the looks are for, as for `render`; None is that of `draw`.
+        Operator that the looks are for, as for `render`; None is the default of `draw`.
 
     Raises
     ------

@@ -108,7 +108,7 @@ def _surface(_viewer: Any, layer: Any) -> Surface:
 
 
 def _colors_of_vertices(layer: Any, n: int) -> Array:
-    """Colours of the vertices, shape (n, 3 or 4): the layer's own, or those of its values under its colour map."""
+    """Colours of the vertices, shape (n, 3 or 4): the layer's own, or the colours of its values in its colour map."""
     own = getattr(layer, "vertex_colors", None)
     if own is not None:
         return np.asarray(own, np.float64)

@@ -85,7 +85,7 @@ def _layer(series: Series, number: int | None) -> LayerData:
     if is_segmentation and first.dtype.kind == "f":
         return first.samples.astype(np.int64), options, "labels"
     if is_segmentation:
-        # Numbers of a later time may be larger than those of the first.
+        # Numbers of a later time may be larger than numbers of the first.
         return _samples(series, np.result_type(first.dtype, np.int32)), options, "labels"
     options["contrast_limits"] = _window(first)
     if channel is not None:
@@ -159,8 +159,8 @@ def _samples_at(series: Series, time: int, dtype: np.dtype[Any]) -> NDArray[Any]
     # Whole numbers of 64 bits are held in the narrowest type of each time; a cast would change larger ones in silence.
     if not np.can_cast(samples.dtype, dtype):
         raise ArgumentError(
-            f"time {time} has samples of {samples.dtype}, and the layer those of {dtype}; store all times in one type "
-            "of 32 bits or fewer, or as floats"
+            f"time {time} has samples of {samples.dtype}, and the layer samples of {dtype}; store all times in one "
+            "type of 32 bits or fewer, or as floats"
         )
     return samples.astype(dtype, copy=False)
 

@@ -436,7 +436,7 @@ def _title_of_values(layer: report_facts.ShownLayer) -> str:
 
 
 def _scales(figure: Figure, report: Mapping[str, Any], behind: Color) -> list[color_bar.Scale]:
-    """Scales of the colour bars: of depth colours those of the places, else those of the layers."""
+    """Scales of the colour bars: the scale of depths first, if there is one, then the scales of layers and shapes."""
     of_depths = []
     if (depth_colors := report.get("depth_colors")) is not None:
         of_depths = [color_bar.scale_of_depths(depth_colors, report.get("unit"))]

@@ -234,7 +234,7 @@ def _window(curves: TransferFunction) -> tuple[float, float]:
 
 
 def _is_log(curves: TransferFunction) -> bool:
-    """Whether the colours are even in the logarithm of the values, as those of `from_colormap(..., log=True)`."""
+    """Whether the colours are even in the logarithm of the values, as `from_colormap(..., log=True)` makes them."""
     values = np.array([value for value, *_ in curves.color])
     if len(values) < LOG_NODES or values[0] <= 0 or log10(values[-1] / values[0]) < LOG_DECADES:
         return False

@@ -14,7 +14,7 @@ from wavesplat.errors import ArgumentError, FileError
 OURS = Path(__file__).parents[1] / "data" / "liberation_sans" / "LiberationSans-Regular.ttf"
 #: Typefaces for files that name theirs instead of holding it.
 FAMILY = "'Liberation Sans', Arial, Helvetica, sans-serif"
-#: Height of a capital letter, in sizes of the font; that of ours, and near enough for others.
+#: Height of a capital letter, in sizes of the font: measured in our font, and near enough for others.
 CAP_HEIGHT = 0.69
 #: Size of the font at which widths are measured, pixels: hinting does not matter there.
 MEASURED_PX = 200

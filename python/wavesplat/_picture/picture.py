@@ -334,8 +334,8 @@ class Picture:
         bits : 8 or 16, default 8
             Bits per channel of a PNG or TIFF file.
         dpi : float, optional
-            Pixels per inch when printed, which is written to PNG, JPEG, TIFF, SVG and PDF files; None is that of
-            `annotated`.
+            Pixels per inch when printed, which is written to PNG, JPEG, TIFF, SVG and PDF files; None is the
+            resolution given to `annotated`.
         quality : int, default 95
             Quality of JPEG and WebP files, 1 to 100; a WebP file of 100 loses nothing.
         scene : bool

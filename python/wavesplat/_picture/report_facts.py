@@ -28,7 +28,7 @@ COLORED = 0.3
 
 @dataclass(frozen=True)
 class View:
-    """Unit vectors of the picture in the world, to the right and up; whether lengths are those of one plane only."""
+    """Unit vectors of the picture in the world, to the right and up; whether lengths hold in one plane only."""
 
     right: Array
     up: Array

@@ -48,7 +48,7 @@ class Levels:
         return size_checks.n_bytes(self.arrays[number].shape, self.arrays[number].dtype)
 
     def whole(self, request: Request) -> Grid:
-        """All samples of the finest level; of a single plane those of the level that has the pixels of its picture."""
+        """All samples of the finest level; of a single plane, the level that has the pixels of its picture."""
         number, facts = level_of_plane([array.shape for array in self.arrays], request) or 0, self.facts
         if number > 0:
             facts = replace(facts, guesses=(*facts.guesses, note_on_level(number, len(self.arrays))))
@@ -90,7 +90,7 @@ class OneVolume:
         return replace(self, order=tuple(last - one for one in self.order), picked=self.picked[::-1], convert=convert)
 
     def facts(self, quantity: str | None) -> Facts:
-        """Facts of the volume. `quantity`: that of the array."""
+        """Facts of the volume. `quantity`: the name of the array's values."""
         named = quantity if quantity is None or self.component is None else f"{quantity} {self.component}"
         return Facts(quantity=named, n_times=self.n_times, guesses=self.guesses)
 

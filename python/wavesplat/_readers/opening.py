@@ -182,7 +182,7 @@ def open(
     Returns
     -------
     Volume
-        Samples keep the type of the file. World units are millimetres for medical formats, else those of the file.
+        Samples keep the type of the file. World units are millimetres for medical formats, else as in the file.
         `facts` has the unit, whether the axes are a patient's, modality, channels, times, and what was guessed.
 
     Warns
@@ -213,7 +213,7 @@ def open(
 
 
 def is_zarr(path: str | PathLike[str], **options: Any) -> bool:
-    """Whether a path or address is that of a Zarr image or array; False also for what cannot be opened."""
+    """Whether there is a Zarr image or array at a path or address; False also where it cannot be opened."""
     try:
         return _family(requested(path, **options)) == "ome_zarr"
     except WavesplatError:
@@ -236,7 +236,7 @@ def _held(thing: VolumeLike, options: Request) -> Volume:
 
 
 def opened(request: Request, *, stacklevel: int = 2) -> Volume:
-    """The volume of a request. `stacklevel`: that of warnings."""
+    """The volume of a request. `stacklevel`: as for `warnings.warn`."""
     check_cancelled()
     family = _family(request)
     _check_options(request, family)
@@ -425,7 +425,7 @@ def _check_no_other_format(path: Path, start: bytes, suffix: str | None, family:
 
 
 def _check_address(request: Request) -> None:
-    """Refuse an address whose name is that of a file that is not Zarr: other formats are read from disks."""
+    """Refuse an address whose name ends as a format other than Zarr: other formats are read from disks."""
     name = urlsplit(str(request.path)).path.rstrip("/").lower()
     suffix = next((suffix for suffix in SUFFIXES if name.endswith(suffix)), None)
     if suffix is None or SUFFIXES[suffix] == "ome_zarr":
@@ -479,7 +479,7 @@ def _family_by_content(family: str | None, path: Path) -> str | None:
 
 
 def _family_by_magic(start: bytes) -> str | None:
-    if begins_as_dicom(start):  # before the others: its first 128 bytes may be those of a TIFF
+    if begins_as_dicom(start):  # before the others: its first 128 bytes may be the beginning of a TIFF
         return "dicom"
     for (offset, magic), family in MAGIC.items():
         if start[offset:].startswith(magic):

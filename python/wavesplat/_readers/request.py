@@ -43,7 +43,7 @@ class Grid(NamedTuple):
 
     @property
     def all_losses(self) -> tuple[str, ...]:
-        """The losses, that of overlapping segments included."""
+        """The losses, overlapping segments included."""
         return self.losses if self.overlap is None else (*self.losses, self.overlap)
 
 
@@ -57,7 +57,7 @@ class SeveralError(FileError):
     described: tuple[str, ...] = ()
     #: Whether the file says what they are; else another option may be the one that chooses.
     is_known: bool = True
-    #: Whether channels are light of colours that add up; those of simulations are runs, months or species.
+    #: Whether channels are light of colours that add up; channels of simulations are runs, months or species.
     are_light: bool = True
 
 
@@ -180,7 +180,7 @@ def taking_planes(n_pixels: float = math.inf) -> Iterator[None]:
 
 @contextmanager
 def named_within(folder: Path | None) -> Iterator[None]:
-    """Confine the requests made meanwhile to `folder`, that of the document that names files; None: the user does."""
+    """Confine the requests made meanwhile to the folder of the document that names files; None: the user names them."""
     token = NAMED_WITHIN.set(folder)
     try:
         yield
@@ -276,7 +276,7 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
 
 
 def _ends_with_components(shape: Sequence[int]) -> bool:
-    """Whether the last axis is that of components more likely than the first is that of times: 2 or 3, and shorter."""
+    """Whether the last axis is more likely one of components than the first is one of times: 2 or 3, and shorter."""
     return shape[-1] in (2, 3) and min(shape[:-1]) > 3
 
 

@@ -4,7 +4,7 @@ Each is read as the map from the moving scan's world to the fixed scan's. The fi
 
 - ITK stores the map from points of the fixed scan to points of the moving one, LPS, which resampling needs.
 - LTA of type 0 or 1 stores the map from `src` to `dst`, in voxels or RAS. `src` is the moving scan (`--mov` of
-  `mri_robust_register` and `bbregister`), unless its grid is that of the fixed one. Source: FreeSurfer,
+  `mri_robust_register` and `bbregister`), unless its grid is the grid of the fixed one. Source: FreeSurfer,
   utils/transform.cpp.
 - FLIRT stores the map from the moving scan (`-in`) to the fixed one (`-ref`) between voxel indices times spacing, the
   first axis reversed where the affine's determinant is positive. Source: FSL, wiki "FLIRT/FAQ", newimage.h
@@ -57,7 +57,7 @@ N_TEXT_BYTES = 1 << 20
 @public
 @takes_its_types
 def open_transform(path: str | PathLike[str], *, moving: VolumeLike, fixed: VolumeLike) -> NDArray[np.float64]:
-    r"""The affine map of a registration, from the world of the moving scan to that of the fixed one.
+    r"""The affine map of a registration, from the world of the moving scan to the world of the fixed one.
 
     Parameters
     ----------

@@ -80,7 +80,7 @@ def chosen_look(
 def chosen_labels(
     given: Labels | None, volume: Grid, boxes: Boxes = (), *, level: Grid | None = None
 ) -> _native.Labels | None:
-    """The labels for the compiled module, on the volume's samples, or on those of its `level`; none in the boxes."""
+    """The labels for the compiled module, on the samples of the volume or of its `level`; none in the boxes."""
     if given is None:
         return None
     if not isinstance(given, Labels):

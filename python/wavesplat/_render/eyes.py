@@ -1,4 +1,4 @@
-"""Pictures that are put together of several: those of two eyes, and panoramas of 360 degrees.
+"""Pictures that are put together of several: pairs for two eyes, and panoramas of 360 degrees.
 
 The middle of an equirectangular picture is what the camera looks at, columns are longitudes, rows latitudes, its upper
 edge is the camera's up. One eye takes the six sides of a cube. For two eyes each direction has eyes of its own, beside
@@ -132,7 +132,7 @@ class Directions(NamedTuple):
 
 
 class Face(NamedTuple):
-    """A perspective picture: its axes (right, up, back) in those of the camera, and its halves as tangents.
+    """A perspective picture: its axes (right, up, back) in axes of the camera, and its halves as tangents.
 
     turn : direction of its eyes, radians about the camera's up; None of a cube's side, whose eye is the camera's.
     weight : of pixels; 0 where the picture is not used.
@@ -206,7 +206,7 @@ class _Mixed:
             if plane is None:
                 continue
             kept = self._planes.setdefault(name, np.full(self._sum.shape, np.nan, np.float32))
-            # Numbers are taken as they are: none lies between those of a surface and what is behind it.
+            # Numbers are taken as they are: no number lies between a surface and what is behind it.
             nearest = plane[
                 np.clip(np.rint(rows), 0, plane.shape[0] - 1).astype(int),
                 np.clip(np.rint(columns), 0, plane.shape[1] - 1).astype(int),
@@ -336,7 +336,7 @@ def _faces(eyes: Eyes) -> list[Face]:
 
 
 def facts_of_eyes(eyes: Eyes, camera: Camera, size: tuple[int, int]) -> dict[str, Any]:
-    """The report's fields of the eyes, and those of a picture of one eye that differ."""
+    """The report's fields of the eyes, and the fields of a picture of one eye that differ."""
     facts: dict[str, Any] = {} if eyes.are_plain else {"size": list(size)}
     if eyes.panorama:
         # Pixels are angles there.

@@ -20,7 +20,7 @@ Floats = NDArray[np.float32]
 
 #: Least difference that shows in 8 bits.
 STEP = 1 / 255
-#: Least distance of slices, as a multiple of that of the samples in them, at which surfaces have steps that show.
+#: Least distance of slices, as a multiple of the distance of samples in them, at which surfaces have steps that show.
 #: (CT at 3 times: faint; a head at 8 times: terraces.)
 COARSE = 5.0
 #: Beginning of the text in `Facts.processing` of a volume that is smoothed.

@@ -79,7 +79,7 @@ class RenderOptions(FrameOptions, total=False):
         Also give `Picture.depth`: of opacities and surfaces, and of maxima and minima.
     client : dask.distributed.Client or "threads", optional
         Draw blocks of the picture on the workers of a Dask cluster, each of which opens the files itself; the bytes are
-        those of this machine. "threads" is Dask's scheduler in this process.
+        the same as on this machine. "threads" is Dask's scheduler in this process.
     segments : int, optional
         Composite rays in segments of so many slices, which are folded from front to back: with `client` a task each,
         for data in workers' memory. The picture is the same wherever it is drawn, and differs from that in one go by

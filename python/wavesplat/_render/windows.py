@@ -3,7 +3,7 @@
 A window has a level, its middle, and a width: black is level - width / 2, white is level + width / 2. DICOM calls that
 LINEAR_EXACT (PS3.3, C.11.2.1.3.2); its older LINEAR (C.11.2.1.2) is half a unit lower and one narrower.
 Names stand for windows of CT, in Hounsfield units, from the table of radiopaedia.org/articles/windowing-ct, the middle
-of the range where it gives one; those of angiography are of everyday use.
+of the range where it gives one; windows of angiography are of everyday use.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def limits(
 ) -> tuple[float, float]:
     """The values that are black and white, given as numbers or percentiles.
 
-    Without a window they are those of its file, of a picture, or that count as the volume's smallest and largest.
+    Without a window they are taken from the file, of a picture, or count as the volume's smallest and largest.
     """
     if window is not None and clim is not None:
         raise ArgumentError("window and clim both say which values are black and white; give one of them")

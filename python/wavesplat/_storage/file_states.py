@@ -58,7 +58,7 @@ def state_of(found: os.stat_result) -> State:
 
 
 def wait_for_next_tick(written_ns: int) -> bool:
-    """Wait until a write would have another time than that of the last one; False if that takes too long."""
+    """Wait until a write would have another time than the last one; False if that takes too long."""
     elapsed = time.time() - written_ns / 1e9
     if written_ns % 10**9 == 0:
         return not 0 <= elapsed < COARSE_TICK

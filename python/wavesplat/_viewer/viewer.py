@@ -98,7 +98,7 @@ class Viewer:
 
     @property
     def state(self) -> dict[str, Any]:
-        """The state as a document (JSON): that of the scene, with the fields `camera`, `render` and `view`.
+        """The state as a document (JSON): the document of the scene, with the fields `camera`, `render` and `view`.
 
         A copy; setting it shows another one, of the same volumes.
         """
@@ -170,7 +170,7 @@ class Viewer:
         size : (width, height)
             Pixels.
         quality : str, optional
-            "draft", "normal", "fine" or "high"; None is that of the viewer at rest.
+            "draft", "normal", "fine" or "high"; None is the quality of the viewer at rest.
         shown : str
             "3d"; a slice by the axis across it: "z" (axial of a body), "y", "x"; or "all", two by two.
         marks : bool, optional

@@ -205,7 +205,7 @@ class Header:
     value_unit: ValueUnit
     #: Elements that uptake values need; None of files that are no PET.
     tracer: Tracer | None
-    #: Whether its axes are a patient's, and not those of a probe.
+    #: Whether its axes are a patient's, and not an ultrasound probe's.
     is_of_patient: bool
     frames: tuple[Frame, ...]
     #: Facts about the frames as pictures: a film, a window.
@@ -433,7 +433,7 @@ def _placed(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[float, float]]:
     """Position and orientation in the patient; else those in the volume of an ultrasound probe; else of a detector.
 
-    The directions of rows and columns are made unit vectors, since distances are those of pixels; the last two numbers
+    The directions of rows and columns are made unit vectors, since distances are between pixels; the last two numbers
     are their lengths in the file.
     """
     position = _found(groups, dataset, 0x00209113, 0x00200032, 3)

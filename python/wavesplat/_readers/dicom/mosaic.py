@@ -81,7 +81,7 @@ class Tiles:
     n_per_column: int
 
     def size_of_one(self, size: tuple[int, int]) -> tuple[int, int]:
-        """Columns and rows of a slice. `size`: those of the picture."""
+        """Columns and rows of a slice. `size`: columns and rows of the picture."""
         return size[0] // self.n_per_row, size[1] // self.n_per_column
 
 
@@ -220,7 +220,7 @@ def _order(
     """The direction from slice to slice of a picture, and their distance.
 
     A protocol lists slices upwards also where the scanner numbers them downwards: `first`, the centre of the picture's
-    first slice, is that of one end of the list.
+    first slice, is the centre of the first or the last slice of the list.
     """
     along = (centres - first) @ normal
     way = centres[-1] - centres[0]

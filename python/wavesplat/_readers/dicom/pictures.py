@@ -1,7 +1,7 @@
 """DICOM frames as pictures: windows, films, and distances of pixels in ultrasound, X-ray and captured screens.
 
 Such frames often lie nowhere in a body. A film is frames taken one after the other (PS3.3, C.7.6.5, the Cine module);
-its times are those of FrameTimeVector, FrameTime or a rate, of the phases of nuclear medicine, or of the frames.
+its times come from FrameTimeVector, FrameTime or a rate, from the phases of nuclear medicine, or from the frames.
 """
 
 from __future__ import annotations

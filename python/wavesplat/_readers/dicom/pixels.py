@@ -37,7 +37,8 @@ from wavesplat.errors import FileError
 RLE = "1.2.840.10008.1.2.5"
 #: Transfer syntaxes that GDCM unpacks: JPEG (baseline, extended, lossless), JPEG-LS and JPEG 2000.
 JPEG = {f"1.2.840.10008.1.2.4.{number}" for number in (50, 51, 57, 70, 80, 81, 90, 91)}
-#: Transfer syntaxes with loss, by which numbers can come out larger than they went in; and those of JPEG-LS.
+#: Transfer syntaxes with loss, by which numbers can come out larger than they went in; and transfer syntaxes of
+#: JPEG-LS.
 LOSSY = {f"1.2.840.10008.1.2.4.{number}" for number in (50, 51, 81, 91)}
 JPEG_LS = {f"1.2.840.10008.1.2.4.{number}" for number in (80, 81)}
 #: Transfer syntaxes of video: MPEG-2, MPEG-4 and HEVC.
@@ -274,7 +275,7 @@ def _fragments(header: Header) -> bytes:
 
 
 def _one_a_frame(fragments: bytes, header: Header) -> bytes:
-    """The same items with one for each frame: GDCM does not join those of JPEG-LS."""
+    """The same items with one for each frame: GDCM does not join fragments of JPEG-LS."""
     from pydicom.encaps import encapsulate, generate_frames
 
     frames = list(generate_frames(fragments + END_OF_ITEMS + bytes(4), number_of_frames=header.n_frames))

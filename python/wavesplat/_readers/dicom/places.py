@@ -1,7 +1,7 @@
 """Files of DICOM as hospitals hand it over: a folder of folders, a DICOMDIR, or a zip archive.
 
 Exports have a folder for each patient, study and series, mostly with a directory of the files (DICOMDIR, DICOM PS3.10,
-8; its records are those of PS3.3, F.3). A folder stands for all files below it. A zip archive is unpacked into a
+8; its records are defined in PS3.3, F.3). A folder stands for all files below it. A zip archive is unpacked into a
 temporary folder first, DICOM files alone, for as long as it is read.
 """
 
@@ -42,7 +42,7 @@ MAX_NAME = 100
 
 
 def begins_as_dicom(head: bytes) -> bool:
-    """Whether a file's first bytes are those of DICOM: its mark or, without one, an element of group 8."""
+    """Whether a file begins as DICOM does: with its mark or, without one, an element of group 8."""
     return head[128:132] == b"DICM" or head[:4] in (b"\x08\x00\x05\x00", b"\x08\x00\x00\x00", b"\x08\x00\x08\x00")
 
 
@@ -94,8 +94,8 @@ def _listed_below(folder: Path, within: Path | None, times: dict[Path, int]) -> 
         for name, is_file, is_folder in _entries(place, is_top=depth == 0):
             if len(found) + len(seen) + len(waiting) + len(folders) > MAX_ENTRIES:
                 raise FileError(
-                    f"the folder holds more than {MAX_ENTRIES} files and folders; name that of a patient, a study or a "
-                    f"series: {folder}"
+                    f"the folder holds more than {MAX_ENTRIES} files and folders; name the folder of a patient, a "
+                    f"study or a series: {folder}"
                 )
             if name.startswith("._") or name in NOT_OURS or not (is_file or (is_folder and not name.startswith("."))):
                 continue
@@ -125,7 +125,7 @@ def _entries(folder: Path, *, is_top: bool) -> list[tuple[str, bool, bool]]:
 
 
 def files_of_directory(file: Path, within: Path | None = None) -> tuple[list[Path], list[Path]]:
-    """The files that a DICOMDIR names, and those of them that are not there; no files if it is no DICOMDIR.
+    """The files that a DICOMDIR names: existing ones and missing ones; no files if it is no DICOMDIR.
 
     Names on discs are in capitals, and are often copied in small letters: where a name is not found as it is written,
     case does not count.

@@ -3,7 +3,7 @@
 A file has a mask of one segment a frame (BINARY), shares of voxels instead (FRACTIONAL), or numbers of segments in one
 frame a slice (LABELMAP). Frames come in any order, and slices in which there is nothing of a segment are left out: each
 frame is put at its own place, on a grid of the frames' pixels and of the distance of slices that the header gives.
-Format: DICOM PS3.3, A.51, A.101 and C.8.20. Names and colours are those of `SegmentSequence`.
+Format: DICOM PS3.3, A.51, A.101 and C.8.20. Names and colours come from `SegmentSequence`.
 """
 
 from __future__ import annotations
@@ -128,7 +128,7 @@ def read(header: Header, request: Request, wanted: Sequence[int] | None = None) 
     losses: tuple[str, ...] = ()
     if about.kind == "FRACTIONAL":
         losses = (
-            f"shares of voxels (FRACTIONAL) as whole ones, from {HALF:g} on; channel=0 has those of the first segment",
+            f"shares of voxels (FRACTIONAL) as whole ones, from {HALF:g} on; channel=0 has the first segment's shares",
         )
     return Grid(samples, matrix, facts, losses, overlap)
 

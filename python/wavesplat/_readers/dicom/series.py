@@ -362,7 +362,7 @@ def alike(headers: Sequence[Header], known: Header) -> tuple[list[Header], str]:
         return fitting, ""
     are = "1 file" if n_left == 1 else f"{n_left} files"
     differ = "size, direction or distance of pixels"
-    return fitting, f"without {are} of the series, whose {differ} differs from that of {known.file.name}"
+    return fitting, f"without {are} of the series, whose {differ} is not as in {known.file.name}"
 
 
 def without_copies(headers: Sequence[Header], named_file: Path | None) -> list[Header]:

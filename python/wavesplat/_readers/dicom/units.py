@@ -26,7 +26,7 @@ from wavesplat.errors import FileError
 # Defined terms: Units (0054,1001) and SUVType (0054,1006), DICOM PS3.3 C.8.9.1; DoseUnits (3004,0002), C.8.8.3;
 # RescaleType (0028,1054), C.11.1.1.2. Real-world values (C.7.6.16.2.11) have units of UCUM.
 
-#: Unit of numbers without a scale of their own, such as those of MR.
+#: Unit of numbers without a scale of their own, such as numbers of MR.
 ARBITRARY = "a.u."
 #: Units of PET.
 OF_PET: dict[str, str | None] = {
@@ -183,7 +183,7 @@ MIN_DOSE = 1e4
 PHILIPS = Creator(0x70530010, "Philips PET Private Group", "PHILIPS")
 GE = Creator(0x00090010, "GEMS_PETD_01", "GE")
 #: Corrections that SUV need, with their words in CorrectedImage (0028,0051): the standard's (PS3.3, C.8.9.1), and then
-#: that of QIBA's pseudo-code.
+#: the word in QIBA's pseudo-code.
 CORRECTIONS = {"attenuation": ("ATTN",), "decay": ("DECY", "DECAY")}
 #: Words of DecayCorrection (0054,1102) for the times to which values can be corrected.
 DECAY_CORRECTED = ("START", "ADMIN")
@@ -371,7 +371,7 @@ def _scan_time(tracers: Sequence[Tracer]) -> tuple[float, tuple[str, ...]]:
             "SUV: the start of the scan by FrameReferenceTime: the time of the series is missing, or after its frames"
         )
         return first.acquired - first.reference_s + mean, (guess,)
-    guess = "SUV: the start of the scan as that of its first frame: the time of the series is missing, or after it"
+    guess = "SUV: the start of the scan as the start of its first frame: the time of the series is missing, or after it"
     return first.acquired, (guess,)
 
 

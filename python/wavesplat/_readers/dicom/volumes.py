@@ -58,7 +58,7 @@ class _Key:
 
 
 def volumes_of(frames: Sequence[Frame], request: Request) -> list[FrameVolume]:
-    """The volumes of frames with positions: those of each stack, in order of their attributes."""
+    """The volumes of frames with positions: the volumes of each stack, in order of their attributes."""
     stacks: dict[Hashable, list[Frame]] = {}
     has_stacks = any(frame.stack for frame in frames)  # else they are classic files, and must be parallel
     for frame in frames:
@@ -274,8 +274,8 @@ def _dimensions(frames: Sequence[Frame]) -> list[Attribute]:
 def _sort_keys(key: _Key, frames: Sequence[Frame]) -> list[tuple[Any, ...]]:
     """Sort keys of the frames: the value, frames without one first.
 
-    Texts and directions have no order of their own: theirs is that of the times and instance numbers of their frames on
-    average (arterial before venous), but for magnitude, phase, real and imaginary part, which come in this order.
+    Texts and directions have no order of their own: they are sorted by the mean time and instance number of their
+    frames (arterial before venous), but for magnitude, phase, real and imaginary part, which come in this order.
     """
     if not any(isinstance(value, str | tuple) for value in key.compared):
         return [(0, 0) if value is None else (1, value) for value in key.compared]

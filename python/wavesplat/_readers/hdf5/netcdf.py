@@ -61,7 +61,7 @@ class _Variable:
     array: Any
     facts: Facts
     world_from_index: NDArray[np.float64]
-    #: Number of the axes z, y, x among those of the variable in the file, and the index along the others.
+    #: Numbers of the axes z, y, x among the axes of the variable in the file, and the index along the others.
     order: tuple[int, int, int]
     picked: tuple[int | None, ...]
     name: str
@@ -319,8 +319,8 @@ def _volume_of(name: str, array: Any, attributes: dict[str, Any], request: Reque
     if set(array.attrs) >= MESH:
         raise FileError(
             f"{variable_text(name, array)} has values of a mesh ({array.attrs['mesh']}, {array.attrs['location']}s), "
-            f"whose axis {str(array.dims[-1])!r} has no neighbours in space; put those of one time on a "
-            f"grid x, y of the plane, as with scipy.interpolate.griddata((lon, lat), values.T, (x, y))"
+            f"whose axis {str(array.dims[-1])!r} has no neighbours in space; put the values of one time "
+            f"on a grid x, y of the plane, as with scipy.interpolate.griddata((lon, lat), values.T, (x, y))"
             f".transpose(2, 0, 1), and give that to wavesplat.Volume: {request.path}"
         )
     # Levels may have the name of their axis and differ from place to place: they are no coordinates of it.
@@ -342,7 +342,8 @@ def _volume_of(name: str, array: Any, attributes: dict[str, Any], request: Reque
 def _with_gaps(array: Any) -> Any:
     """The array with NaN where a float was never written, before neighbours are mixed.
 
-    Coordinates that belong to several axes are dropped: xarray copies them, and those of an open file cannot be.
+    Coordinates that belong to several axes are dropped: xarray copies them, and coordinates of an open file cannot be
+    copied.
     """
     array = array.reset_coords(drop=True)
     return array.copy(deep=False, data=_without_unwritten(np.asarray(array), array.encoding))

@@ -85,7 +85,7 @@ def _place_texts(array: Any, axis: Any) -> list[str]:
 
 
 def _dates(array: Any, axis: Any) -> list[str]:
-    """Dates of an axis of times; none where their calendar is that of a model."""
+    """Dates of an axis of times; none where their calendar is a model's own."""
     try:
         xarray = library("xarray", extra=EXTRA)
     except LibraryError:

@@ -1,1 +1,1 @@
-"""Formats of microscopes: BigDataViewer, Imaris, and those of vendors by bioio."""
+"""Formats of microscopes: BigDataViewer, Imaris, and formats of vendors by bioio."""

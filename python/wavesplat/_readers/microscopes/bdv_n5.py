@@ -32,7 +32,7 @@ MAX_ATTRIBUTES = 1 << 20
 
 
 def holds_setups(names: list[str]) -> bool:
-    """Whether the names in a folder are those of BigDataViewer's N5."""
+    """Whether the names in a folder are names of BigDataViewer's N5."""
     return "attributes.json" in names and any(name.startswith("setup") for name in names)
 
 

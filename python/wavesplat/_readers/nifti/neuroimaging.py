@@ -1,7 +1,7 @@
 """MINC, AFNI, Philips PAR/REC and ECAT, by nibabel, which knows their scaling, slice by slice, and their places.
 
-Samples, axes and affine are those of `nibabel.load`. nibabel has no time axis of its own for these formats: MINC's is
-the first one, that of the others the fourth. It reads vectors of MINC 2, but takes their axis for any other.
+Samples, axes and affine are as `nibabel.load` gives them. nibabel has no time axis of its own for these formats: in
+MINC it is the first one, in the others the fourth. It reads vectors of MINC 2, but takes their axis for any other.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def _of_vectors(image: Any, axis: int, request: Request) -> Grid:
     """The length of vectors of MINC 2, one of their components, or one of three colours."""
     numbers = np.moveaxis(_compact(np.asarray(image.dataobj), image), axis, -1)
     if numbers.ndim != 4:
-        raise FileError(f"the file holds vectors of shape {numbers.shape}; export those of one volume: {request.path}")
+        raise FileError(f"the file has vectors of shape {numbers.shape}; export vectors of one volume: {request.path}")
     if _stored_type(image) == np.uint8 and _are_bytes(numbers):
         numbers = np.rint(numbers).astype(np.uint8)  # colours; other vectors are bytes with a scale
     n = numbers.shape[-1]
@@ -163,7 +163,7 @@ def _check_kind(image: Any, path: Path) -> None:
 
 
 def _stored_type(image: Any) -> np.dtype[Any]:
-    """The type of the samples in the file, before scaling; of ECAT that of the first time point."""
+    """The type of the samples in the file, before scaling; of ECAT, the type of the first time point."""
     is_ecat = type(image).__name__ == "EcatImage"
     dtype: np.dtype[Any] = np.dtype(image.get_data_dtype(0) if is_ecat else image.get_data_dtype())
     return dtype

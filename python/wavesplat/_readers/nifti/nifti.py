@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 # Vectors in NIfTI: three numbers at each place, along the fifth axis, or, as programs for diffusion write, the fourth.
 #
-# The fifth axis is that of the standard: displacements of a registration (intent 1006 or 1007), of which the length is
+# The fifth axis is the standard's choice: displacements of a registration (intent 1006 or 1007), of which the length is
 # drawn. Three float images along the fourth axis, the axis of times, are the directions of fibres (V1 of FSL) where
 # their vectors are of length 1 wherever they are not 0; which images of a time series never are. Directions are drawn
 # as is usual for them: red, green and blue are the magnitudes of the x, y and z component (Pajevic and Pierpaoli 1999).

@@ -134,7 +134,7 @@ def _has_no_place(fields: dict[str, str]) -> bool:
 
 
 def _times(listed: ListedAxis | None, fields: dict[str, str], keys: dict[str, str]) -> dict[str, Any]:
-    """Facts about times: of an axis beside those of space, or the unit of the fourth axis of a space with time."""
+    """Facts about times: of an axis beside the axes of space, or the unit of the fourth axis of a space with time."""
     if listed is not None:
         return _listed_times(listed.number, listed.size, fields, keys)
     named = _quoted(fields.get("space units", ""))

@@ -185,7 +185,7 @@ def _check_payload(
     shape: Sequence[int],
     dtype: np.dtype[Any],
 ) -> None:
-    """Compare the size that the header promises with that of the files that hold the samples."""
+    """Compare the size that the header promises with the size of the files that hold the samples."""
     for file, _ in places:
         if not file.is_file():
             raise FileError(

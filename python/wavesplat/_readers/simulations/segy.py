@@ -1,6 +1,6 @@
 """SEG-Y: a cube of seismic traces, by inline, crossline and sample, by segyio.
 
-The traces go down: z of the world is minus the time, or depth, of a sample, and x and y those of the traces.
+The traces go down: z of the world is minus the time, or depth, of a sample; x and y are the place of the trace.
 Each trace says its inline and crossline, so a survey may have gaps and any outline: there samples are NaN.
 Format: SEG-Y revision 2.1, https://library.seg.org/pb-assets/technical-standards.
 """

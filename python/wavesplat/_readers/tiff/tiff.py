@@ -122,7 +122,7 @@ def _array(
 
 
 def _has_own_pages(series: Any) -> bool:
-    """Whether the last axes of a series are those of its pages, which follow each other along the others."""
+    """Whether the last axes of a series are the axes of its pages, which follow each other along the others."""
     n = len(series.shape) - len(series.keyframe.shape)
     return bool(series.shape[n:] == series.keyframe.shape and len(series.pages) == prod(series.shape[:n]))
 

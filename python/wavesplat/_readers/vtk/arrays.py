@@ -161,7 +161,7 @@ def check_grid(grid: Any) -> None:
             axes = [getattr(grid, f"Get{axis}Coordinates")() for axis in "XYZ"]
             fits = [0 if axis is None else axis.GetNumberOfTuples() for axis in axes] == sides.tolist()
         if not fits:
-            raise ValueError(f"other points than those of {sides.tolist()}")
+            raise ValueError(f"the number of points is not as in {sides.tolist()}")
     if grid.IsA("vtkUnstructuredGrid") and n_cells > 0:
         _check_cells(grid, n_points, n_cells)
 

@@ -70,7 +70,7 @@ MAX_DEPTH = 8
 
 
 def read(request: Request) -> Grid:
-    """The samples of a grid: its own where it is uniform, else those of an image that `resample` asks for."""
+    """The samples of a grid: its own where it is uniform, else the samples of an image that `resample` asks for."""
     with reading("a VTK grid", request.path):
         if (kind := _kind(request.file)) in ("PolyData", "PPolyData"):
             raise other_grid(kind, request.path)

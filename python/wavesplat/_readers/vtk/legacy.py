@@ -250,7 +250,7 @@ class _Parser:
         self._is_text = form == "ASCII"
 
     def pass_over(self) -> None:
-        """Pass over all numbers of a grid of any kind; those of text are parsed, since VTK ends at other words."""
+        """Pass over all numbers of a grid of any kind; numbers as text are parsed, since VTK ends at other words."""
         self._checks_words = True
         self._begin()
         if self._version is None:

@@ -127,13 +127,13 @@ def _of_points(
 
 def type_of_samples(values: Sequence[NDArray[Any]]) -> type[np.floating[Any]]:
     """The type of floats that the numbers of all blocks are sampled in."""
-    # Integers would be interpolated as such; 24 bits hold those of 16.
+    # Integers would be interpolated as such; 24 bits hold integers of 16.
     is_wide = any(one.dtype.itemsize > 4 or (one.dtype.kind in "iu" and one.dtype.itemsize == 4) for one in values)
     return np.float64 if is_wide else np.float32
 
 
 def set_only_array(block: Any, values: NDArray[Any], *, of_cells: bool) -> None:
-    """Replace the arrays of a grid, but those of hidden cells, by the one that is sampled.
+    """Replace the arrays of a grid, but the arrays of hidden cells, by the one that is sampled.
 
     VTK samples blocks together only where all of them have it, in one type.
     """
@@ -242,7 +242,7 @@ def _cell_sizes(blocks: list[Any]) -> tuple[float, float]:
             unused()
         sizes.Update()
         volumes = vtk_to_numpy(sizes.GetOutput().GetCellData().GetArray("Volume"))
-        volumes = np.abs(volumes[volumes != 0])  # those of left-handed cells are negative
+        volumes = np.abs(volumes[volumes != 0])  # volumes of left-handed cells are negative
         found += [volumes.min(), volumes.max()] if len(volumes) else []
     return (float(np.cbrt(min(found))), float(np.cbrt(max(found)))) if found else (0.0, 0.0)
 

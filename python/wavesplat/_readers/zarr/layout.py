@@ -34,7 +34,7 @@ Look: TypeAlias = "tuple[str, tuple[float, float, float] | None]"
 class Well:
     """A well of a plate: its name, such as A1, its path in the store, and the names of its images, one for each field.
 
-    fields : those of the first well where the store is on a server, which is not asked for all.
+    fields : of the first well where the store is on a server, which is not asked for the fields of every well.
     """
 
     name: str

@@ -77,7 +77,7 @@ class _Axes:
 
 
 def named_volume(array: Any, group: Any, read: Callable[[Any], NDArray[Any]], request: Request) -> NamedVolume | None:
-    """The volume of an array with named axes; None if the axes have no names or only those of an image.
+    """The volume of an array with named axes; None if the axes have no names or only the names of an image.
 
     group : of the arrays beside it, or None. read : reads all of a small array.
     """

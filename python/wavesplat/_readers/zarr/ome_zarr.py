@@ -1,7 +1,7 @@
 """OME-Zarr 0.4 (Zarr v2), 0.5 (Zarr v3) and 0.6 drafts, and plain Zarr arrays, by zarr; also zipped, or under a URL.
 
 Axes may come in any order; time and channel are picked by number.
-World units are those of the file, usually micrometres, one for all axes, and the world's axes are the file's x, y, z.
+World units are taken from the file, usually micrometres, one for all axes, and the world's axes are the file's x, y, z.
 """
 
 from __future__ import annotations
@@ -343,7 +343,7 @@ def _not_found(place: ZarrPlace) -> FileError | None:
 
 
 def _location(request: Request, opened: Any = None) -> ZarrPlace:
-    """The place of a request; that of a node which was opened there, which knows metadata already."""
+    """The place of a request; of a node that was opened there, its place, which knows metadata already."""
     known = None if opened is None else place_of(opened)
     return known or ZarrPlace(str(request.path) if request.is_url else Path(request.file), within=request.within)
 
@@ -436,7 +436,7 @@ def _picked(name: str, count: int, spatial: list[str], request: Request, channel
 def _composed(
     dataset: dict[str, Any], multiscales: dict[str, Any], n_axes: int, request: Request
 ) -> NDArray[np.float64]:
-    """World from index in the order of the array's axes: the level's own transforms, then those of the image."""
+    """World from index in the order of the array's axes: the level's own transforms, then the image's."""
     steps = [*dataset.get("coordinateTransformations", ()), *multiscales.get("coordinateTransformations", ())]
     matrix = np.eye(n_axes + 1)
     for step in steps:
@@ -490,7 +490,7 @@ def _matrix(step: dict[str, Any], n_axes: int, request: Request) -> NDArray[np.f
 
 
 def _numbers(step: dict[str, Any], kind: str, shape: tuple[int, ...], request: Request) -> NDArray[np.float64]:
-    """The numbers of a transformation; a `FileError` for texts, and for another shape than that of the axes."""
+    """The numbers of a transformation; a `FileError` for texts, or where there is not one for each axis."""
     found = np.asarray(step.get(kind), object)
     if found.shape != shape or not all(type(number) in (int, float) for number in found.flat):
         wanted = " x ".join(map(str, shape))

@@ -133,9 +133,9 @@ def _prefix(entries: dict[str, zipfile.ZipInfo]) -> str | None:
 #: The error for a library that would write.
 READ_ONLY = "places are only read"
 
-#: Names of metadata documents; every other key is that of a chunk.
+#: Names of metadata documents; every other key names a chunk.
 METADATA_NAMES = ("zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata")
-#: Largest metadata document, in bytes; that of a store with thousands of arrays has a few megabytes.
+#: Largest metadata document, in bytes; a store with thousands of arrays has one of a few megabytes.
 MAX_METADATA_BYTES = 1 << 26
 #: Largest metadata document of a server that is kept, bytes.
 MAX_KNOWN_BYTES = 1 << 20
@@ -208,7 +208,7 @@ class ZarrPlace:
         from fsspec.asyn import get_loop
 
         # fsspec has a loop of its own, which its sessions belong to. Errors come as values: zarr leaves requests alone
-        # after the first error, and asyncio would complain that nobody asked for those of the others.
+        # after the first error, and asyncio would complain that nobody asked for the errors of the others.
         request = asyncio.run_coroutine_threadsafe(_result_or_error(self._request(key, part)), get_loop())
         content, error = await asyncio.wrap_future(request)
         if error is not None:

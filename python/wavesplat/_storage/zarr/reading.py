@@ -349,7 +349,7 @@ class ZarrReader:
             raise ValueError(f"chunk {name!r}: {error}") from error
 
     def _content(self, number: tuple[int, ...], indices: dict[str, NDArray[np.uint64] | None]) -> bytes | None:
-        """The bytes of a chunk; None where there are none. `indices`: those of the shards that were met."""
+        """The bytes of a chunk; None where there are none. `indices`: of the shards that were met."""
         if self._shards is None:
             return self._whole(self._key(number))
         outer, inner = zip(*map(divmod, number, self._shards.grid), strict=True)

@@ -84,7 +84,7 @@ def region_statistics(state: ViewerState, points: NDArray[np.float64]) -> list[d
     """Mean, standard deviation, least and largest value of each layer in a plane region; None without values there.
 
     points : shape (n, 3), n >= 3. Corners in the world, in the order of the line around the region, which is closed.
-        Values are those of a plane through their middle, also where slices show slabs.
+        Values are taken from a plane through their middle, also where slices show slabs.
 
     Raises
     ------

@@ -60,7 +60,7 @@ def sample_at(world_from_index: Any, shape: tuple[int, ...], point: Any) -> tupl
 
 def color_fields_of(scene: Scene) -> list[dict[str, Any] | None]:
     """Facts of the field that colours each layer: name, unit of values, nodes of its colours; None without one."""
-    # Looks that are chosen by the values are those of the first picture, which is of copies of what is lazy.
+    # Looks that are chosen by the values are taken from the first picture, which is of copies of what is lazy.
     return [
         None if layer.color_from is None else _facts_of(layer.color_from, seen.color_from)
         for layer, seen in zip(scene.layers, preview_of(scene).layers, strict=True)
@@ -98,7 +98,7 @@ def _value_of(layer: Layer, point: NDArray[np.float64]) -> dict[str, Any]:
 
 
 def _name_of(layer: Layer) -> str:
-    """The layer's own name, else that of its values, which distinguishes datasets of one file."""
+    """The layer's own name, else the name of its values, which distinguishes datasets of one file."""
     return quantity_of(layer) or layer.name or ""
 
 
@@ -114,8 +114,8 @@ PICKED_PX = 3
 class Sight:
     """The ray of a place in the picture.
 
-    camera : sees only a few pixels around the place, as large as those of the picture. origin, direction : of the ray,
-    world units, the direction of length 1. pixel_at : sizes of a pixel in world units at depths along the ray.
+    camera : sees only a few pixels around the place, as large as the pixels of the picture. origin, direction : of the
+    ray, world units, the direction of length 1. pixel_at : sizes of a pixel in world units at depths along the ray.
     """
 
     camera: Camera
@@ -200,7 +200,7 @@ def shape_seen(state: ViewerState, sight: Sight, progress: Any = None) -> dict[s
 
 
 def _cards(state: ViewerState) -> dict[SlicePlane, list[Any]]:
-    """The pictures of the slices that are shown, which those of the scene have made."""
+    """The pictures of the slices that are shown; drawing the scene has made them."""
     scene = preview_of(state.scene)
     planes = [shape for shape in scene.geometry if isinstance(shape, SlicePlane) and shape._is_seen]
     arrays = shapes_of(scene.geometry, slice_source(scene), state.camera, scene._cache.shapes_of) if planes else None

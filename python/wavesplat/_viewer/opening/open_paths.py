@@ -96,7 +96,7 @@ def found_at(
 
 
 def scene_with(base: Scene | None, found: Sequence[Found], *, as_labels: bool) -> Scene:
-    """A scene with what was found added to it. as_labels : whether segmentations are those of the first volume.
+    """A scene with what was found added to it. as_labels : whether segmentations are labels of the first volume.
 
     Raises
     ------

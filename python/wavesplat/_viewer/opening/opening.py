@@ -381,7 +381,7 @@ def replaced(state: ViewerState, scene: Scene, aspect: float | None = None) -> O
 
 
 def added(state: ViewerState, scene: Scene) -> Operations:
-    """Changes that show the further layers, the labels and the shapes of a scene that holds those of the state.
+    """Changes that show what a scene has more than the state, all of which it holds: layers, labels and shapes.
 
     The looks of new layers are found in a state of their own: those that are open stay as they are.
     """

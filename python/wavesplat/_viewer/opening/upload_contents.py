@@ -51,7 +51,7 @@ def _mapped(samples: Any) -> object | None:
 
 # Slices that were sent without a folder: they are moved into one, whose name the page shows.
 #
-# Without it their folder would be that of the upload, which has a number for a name.
+# Without it their folder would be the folder of the upload, which has a number for a name.
 
 #: Headers that are read to see whether all slices are of one series, and letters of a name, at most.
 MAX_HEADERS, MAX_LETTERS = 16, 60
@@ -60,7 +60,7 @@ NAMELESS = "slices"
 
 
 def gathered(files: Sequence[Path], folder: Path) -> Path:
-    """The folder that holds some files of an upload; where it is that of the upload itself, they get one of their own.
+    """The folder that holds some files of an upload; files in the upload's own folder get one of their own.
 
     files : two or more. folder : of the upload.
     """

@@ -74,12 +74,12 @@ def slice_arguments(state: ViewerState, pane: str) -> dict[str, Any]:
 
 
 def background_of(colors: str) -> str:
-    """Colour beside the volume: that of its lowest values, so that inverted greys have no black frame."""
+    """Colour beside the volume: the colour of its lowest values, so that inverted greys have no black frame."""
     return "white" if colors == "gray_r" else "black"
 
 
 def window_of(state: ViewerState) -> tuple[float, float]:
-    """Level and width of the first layer's values on slices: those of the state, else by the kind of data."""
+    """Level and width of the first layer's values on slices: as in the state, else by the kind of data."""
     level, width = state.view["slices"].get("window") or slice_window(state.scene)
     return level, width
 

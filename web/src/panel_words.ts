@@ -182,7 +182,7 @@ export const PANEL_WORDS = {
     kernel: "Kernel",
     background: "Background",
     shading: "Shading",
-    all: "This light is that of all layers.",
+    all: "This light is for all layers.",
     unshaded: "This operator has no shading: light changes nothing here.",
     ambient: "Ambient",
     diffuse: "Diffuse",

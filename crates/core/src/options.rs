@@ -379,7 +379,7 @@ impl RenderOptions {
 
 /// Sheets per slice and oversampling of each named quality, for smooth transfer functions, for steep ones, and for
 /// steep ones on a coarser level, where the error of linear slabs is less than the error of the level itself.
-/// `studies/quality` and `studies/lod` measure the errors. Those of the first two kinds are rungs of [`LADDER`].
+/// `studies/quality` and `studies/lod` measure the errors. Settings of the first two kinds are rungs of [`LADDER`].
 const QUALITIES: [(&str, [(f64, f64); 3]); 4] = [
     ("draft", [(2.0, 0.5), (2.0, 0.5), (1.0, 0.5)]),
     ("normal", [(2.0, 1.0), (2.0, 1.0), (1.0, 1.0)]),

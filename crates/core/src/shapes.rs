@@ -116,7 +116,7 @@ pub enum Paint {
 /// Look of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeStyle {
-    /// Opacity, `0..=1`, times that of the colours.
+    /// Opacity, `0..=1`, times the opacity of the colours.
     pub opacity: f32,
     /// Whether the scene's lights shine on it, and matter casts its shadow on it; else colours are shown as they are.
     pub is_lit: bool,

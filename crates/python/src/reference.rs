@@ -58,7 +58,7 @@ pub fn raycast<'py>(
     let colors = layers.iter().filter_map(|(.., color)| color.as_ref()).map(|(volume, _)| &**volume);
     let volumes: Vec<&PyVolume> = layers.iter().map(|(volume, ..)| &**volume).chain(colors).collect();
     let picture = with_samples_of_all(py, &volumes, &mut |volumes| {
-        // Behind the layers' volumes are those of the fields that colour layers.
+        // Behind the layers' volumes are the volumes of the fields that colour layers.
         let (volumes, of_colors) = volumes.split_at(layers.len());
         let mut of_colors = of_colors.iter();
         let cast: Vec<CastLayer> = volumes

@@ -122,7 +122,7 @@ fn with_scene<T>(
     let drawables: Vec<&Drawable<'_>> =
         layers.iter().map(|(drawable, ..)| drawable).chain(colors.map(|(drawable, _)| drawable)).collect();
     with_volumes(py, &drawables, &mut |mut volumes| {
-        // Behind the layers' volumes are those of the fields that colour layers.
+        // Behind the layers' volumes are the volumes of the fields that colour layers.
         let mut of_colors = volumes.split_off(layers.len()).into_iter();
         let layer = |(volume, (_, tf, shading, color)): (_, &PyLayer<'_>)| SceneLayer {
             volume,

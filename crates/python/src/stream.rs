@@ -51,7 +51,8 @@ impl PyBlockState {
     #[staticmethod]
     fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
         let state = BlockState::from_bytes(bytes, 1 << 24);
-        state.map(Self).ok_or_else(|| PyValueError::new_err("the bytes are not those of the state of a block"))
+        let refused = "these bytes hold no state of a block; give the bytes that BlockState.to_bytes returned";
+        state.map(Self).ok_or_else(|| PyValueError::new_err(refused))
     }
 }
 

@@ -243,7 +243,7 @@ fn order_of_shapes_changes_nothing() {
     }
 }
 
-/// A hundred winding paths behind each other, those of each set in one shape.
+/// A hundred winding paths behind each other, each set of paths in one shape.
 fn tangle(sets: &[Vec<usize>], thickness: Thickness) -> Shapes {
     let path = |path: usize| {
         (0..20).map(move |k| {

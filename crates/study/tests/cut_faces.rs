@@ -146,7 +146,7 @@ fn projections_are_covered_by_shares() {
     let volume = phantom.volume();
     let slices = Slices::new(&volume, Kernel::Linear);
     let gray = opacity_ramp(&[(0.0, 1.0)], Some(1.0));
-    // A pixel is a sample: the outermost are those of the wall, cut in half.
+    // A pixel is a sample: the outermost are samples of the wall, cut in half.
     let options = RenderOptions { width_px: 30, height_px: 26, composite: Composite::Maximum, ..plain() };
     let projection = Projection::Orthographic { parallel_scale: 13.0 * 1.1 };
     let square = Phantom { world_from_index: DAffine3::from_scale(DVec3::splat(1.1)), ..waves() };

@@ -139,7 +139,7 @@ fn hidden_matter_makes_no_face() {
     }
 }
 
-/// On an opaque cut face the colour is that of the transfer function in even light, whatever the gradient.
+/// An opaque cut face has the transfer function's colour in even light, whatever the gradient.
 #[test]
 fn a_cut_face_shows_its_values() {
     let phantom = texture(0.0);

@@ -425,7 +425,7 @@ fn nothing_visible_leaves_the_background() {
     }
 }
 
-/// Opacity summed over the picture is that of the samples, however few texels there are.
+/// Opacity summed over the picture is the opacity of the samples, however few texels there are.
 #[test]
 fn texels_wider_than_samples_lose_nothing() {
     let is_bright = |p: DVec3| p.z == 12.0 && p.x > 11.5 && p.x < 20.5 && p.y > 14.5 && p.y < 21.5;

@@ -186,7 +186,7 @@ fn a_surface_coloured_by_its_own_value_has_the_colour_of_that_value() {
 #[test]
 fn a_sphere_coloured_by_x_is_linear_in_x() {
     let phantom = ball();
-    // On a coarser grid of its own, whose ends lie inside of those of the ball's.
+    // On a coarser grid of its own, whose ends lie inside of the ends of the ball's.
     let coarse = DAffine3 { translation: DVec3::splat(0.5), ..DAffine3::from_scale(DVec3::new(2.4, 3.1, 2.9)) };
     let fields = [Phantom::sample(SIZE, DAffine3::IDENTITY, |p| p.x), Phantom::sample([11, 9, 9], coarse, |p| p.x)];
     for field in &fields {

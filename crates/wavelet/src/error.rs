@@ -8,7 +8,7 @@ use crate::family::WaveletFamily;
 #[allow(missing_docs, reason = "the message of each variant is its documentation")]
 pub enum WaveletError {
     #[error(
-        "size {size:?} (x, y, z) is not that of a volume; \
+        "size {size:?} (x, y, z) is not the size of a volume; \
          pass at least 1 sample along each axis, and no more than {max} in all",
         max = usize::MAX
     )]
@@ -74,7 +74,10 @@ mod tests {
         let family = WaveletFamily::Spline4;
         let size = [3, 4, 5];
         let cases = [
-            (WaveletError::VolumeSize { size }, "size [3, 4, 5] (x, y, z) is not that of a volume; pass at least 1"),
+            (
+                WaveletError::VolumeSize { size },
+                "size [3, 4, 5] (x, y, z) is not the size of a volume; pass at least 1",
+            ),
             (
                 WaveletError::SampleCount { size, expected: 60, actual: 59 },
                 "needs 60 samples, the buffer has 59; check",

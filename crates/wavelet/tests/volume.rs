@@ -173,8 +173,8 @@ fn arrays_that_do_not_fit_together_are_refused() {
         let refused = WaveletVolume::from_arrays(arrays).map(|_| ()).unwrap_err().to_string();
         assert!(refused.contains(problem), "{refused}");
     };
-    check(|a| a.size = [23, 0, 11], "size [23, 0, 11] (x, y, z) is not that of a volume");
-    check(|a| a.size = [1 << 22; 3], "is not that of a volume");
+    check(|a| a.size = [23, 0, 11], "size [23, 0, 11] (x, y, z) is not the size of a volume");
+    check(|a| a.size = [1 << 22; 3], "is not the size of a volume");
     // Sizes that fit into a usize, but into no memory.
     check(
         |a| a.size = [1 << 62, 1, 1],

@@ -35,7 +35,7 @@ pub struct Scene<'a> {
 /// A volume and its look.
 #[derive(Clone)]
 pub struct SceneLayer<'a> {
-    /// Volume to draw. Its axes are parallel to those of the scene's first volume.
+    /// Volume to draw. Its axes are parallel to the axes of the scene's first volume.
     pub volume: SceneVolume<'a>,
     /// Colour and opacity by sample value.
     pub transfer_function: TransferFunction,
@@ -48,7 +48,8 @@ pub struct SceneLayer<'a> {
 /// A field whose values are coloured, where a layer's own samples say how opaque it is.
 #[derive(Clone)]
 pub struct SceneColor<'a> {
-    /// Samples that cover the layer, lazy or in memory as the layer's are, on axes that are parallel to those of the scene's first volume.
+    /// Samples that cover the layer, lazy or in memory as the layer's are. Their axes are parallel to the axes of the
+    /// scene's first volume.
     pub volume: SceneVolume<'a>,
     /// Transfer function of the field's values; its colours count.
     pub transfer_function: TransferFunction,

@@ -163,7 +163,7 @@ NAN_AFFINE[0, 0] = np.nan
         ("format", np.array("x"), "damaged"),
         ("shape", np.array([1 << 62, 1, 1]), "has_block has 22 entries"),
         ("shape", np.array([1 << 40, 1, 1]), "has_block has 22 entries"),
-        ("shape", np.array([1 << 30, 1 << 30, 1 << 30]), "is not that of a volume"),
+        ("shape", np.array([1 << 30, 1 << 30, 1 << 30]), "of a volume; pass at least 1"),
         ("shape", np.array([-5, 6, 7]), "damaged"),
         ("shape", np.array([5.0, np.nan, 7.0]), "damaged"),
         ("levels_and_threshold", np.array([99.0, 1.0]), "99 levels are more than"),

@@ -27,7 +27,7 @@ export function between(from: Camera, to: Camera, t: number): Camera {
 
 const byFactors = (a: number, b: number, t: number): number => a * (b / a) ** t;
 
-/** The rotation R that turns the axes a of one camera into those of another: sum of a x Ra is 2 sin(angle) axis. */
+/** The rotation R that turns the axes a of one camera into the axes of another: sum of a x Ra is 2 sin(angle) axis. */
 function rotation(from: Camera, to: Camera): { axis: Vec3; angle: number } {
   const [a, b] = [axesOf(from), axesOf(to)];
   const pairs: readonly (readonly [Vec3, Vec3])[] = [[a.up, b.up], [a.right, b.right], [a.back, b.back]];

@@ -219,7 +219,7 @@ impl Simd for Avx512 {
     }
     #[inline(always)]
     fn interleave_quads(self, a: __m512, b: __m512) -> [__m512; 2] {
-        // SAFETY: see `splat`. Numbers are taken by pairs: those of a are 0 to 7, of b 8 to 15.
+        // SAFETY: see `splat`. Numbers are taken by pairs: 0 to 7 are in a, 8 to 15 in b.
         unsafe {
             let (a, b) = (_mm512_castps_pd(a), _mm512_castps_pd(b));
             let low = _mm512_permutex2var_pd(a, _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), b);

@@ -1,6 +1,6 @@
 //! NEON, which every 64-bit ARM has: four registers of four numbers.
 //!
-//! NEON's own minimum, maximum and reciprocal square root differ from those of the other levels (NaN wins, the estimate
+//! NEON's own minimum, maximum and reciprocal square root differ from the other levels' (NaN wins, the estimate
 //! has bits of its own), so comparisons with selections, and the guess that all levels share, replace them. A product
 //! and a sum stay two instructions: nothing here asks for the fused one, and the compiler fuses nothing by itself.
 #![allow(clippy::wildcard_imports, reason = "dozens of intrinsics, all by their own prefix")]

@@ -161,7 +161,7 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
         let own_front = front + begin * (back - front);
         let own_back = front + end * (back - front);
         if BY_GRADIENT_LAYER != BY_BOTH && meets_opaque_end(LAYERu, own_front, own_back) {
-            // The parts are those of all layers; the layer's own meet where its densities get opaque.
+            // The parts are common to all layers; the layer's own meet where its densities get opaque.
             let whole = preintegrate(LAYERu, own_front, own_back);
             let mean = light_of(whole, whole.depths * ((end - begin) * length)).y;
             at = begin + (whole.first + mean * (whole.last - whole.first)) * (end - begin);

@@ -2,8 +2,8 @@
 //! a second field.
 //!
 //! Gradient opacity is a factor of the optical depth by the magnitude of the gradient, so that boundaries stand out and
-//! homogeneous regions recede (Levoy, *Display of surfaces from volume data*, 1988; the curve is that of VTK's volume
-//! properties and of 3D Slicer). The factor scales the extinction, not the opacity of a slab, so that the picture does
+//! homogeneous regions recede (Levoy, *Display of surfaces from volume data*, 1988; the curve is as in VTK's volume
+//! properties and 3D Slicer). The factor scales the extinction, not the opacity of a slab, so that the picture does
 //! not depend on the number of sheets: opacity `α` per unit becomes `1 − (1 − α)^f`,
 //! which for faint functions is `f · α`.
 //!

@@ -2,8 +2,8 @@
 //!
 //! Light: the colour is multiplied by the openness of the place, and what the first light adds by how much of it gets
 //! there ([`crate::optics::occlusion`]). Labels: of the scan's optical depth the share `Σ c_l f_l` is left, its colour
-//! is mixed with that of the labels that tint it, and labels with an opacity of their own add the medium `Σ c_l τ_l`,
-//! with `c_l` the coverage of label `l` ([`crate::optics::labels`]).
+//! is mixed with the colour of the labels that tint it, and labels with an opacity of their own add the medium
+//! `Σ c_l τ_l`, with `c_l` the coverage of label `l` ([`crate::optics::labels`]).
 
 use wavesplat_compute::simd::Wide;
 
@@ -76,7 +76,7 @@ impl Modifiers {
         }
     }
 
-    /// The scan's colour before tint and light: that of the field that colours it, or `own`, by its density.
+    /// The scan's colour before tint and light: from the field that colours it, or `own`, by its density.
     #[inline(always)]
     pub fn rgb<W: Wide>(&self, w: W, own: [W::F; 3], point: &FieldPoint<W>) -> [W::F; 3] {
         match &self.color {

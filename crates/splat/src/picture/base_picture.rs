@@ -198,7 +198,7 @@ pub struct TileTexels<'a> {
 }
 
 impl TileTexels<'_> {
-    /// Takes the texels of some rows out of those of a whole tile. Rows beyond the base plane are none.
+    /// Takes the texels of some rows out of a whole tile. Rows beyond the base plane have none.
     fn take(&mut self, rows: &Range<usize>) -> Self {
         fn taken<'a, T>(all: &mut [&'a mut [T]], rows: &Range<usize>) -> Vec<&'a mut [T]> {
             let end = rows.end.min(all.len());

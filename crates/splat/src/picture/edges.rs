@@ -2,9 +2,9 @@
 //!
 //! Such a pixel is the mean of reads on a grid, like many rays. Where the ray of each read enters and leaves the drawn
 //! region is known exactly: the read is empty where its ray misses the region, and else the mean of the texels around
-//! it, each rescaled from the length of its own ray to that of the read's. This works because the mean extinction along
-//! a ray continues smoothly across a wall, where its length does not. Texels just beyond a wall are drawn for this
-//! ([`crate::view::silhouette`]).
+//! it, each rescaled from the length of its own ray to the length of the read's. This works because the mean extinction
+//! along a ray continues smoothly across a wall, where its length does not. Texels just beyond a wall are drawn for
+//! this ([`crate::view::silhouette`]).
 //!
 //! All other pixels stay as the warp has drawn them, but for those beyond the walls, which are cleared.
 

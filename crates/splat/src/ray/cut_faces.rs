@@ -1,5 +1,5 @@
 //! Even light on cut faces: where a ray enters matter through a crop, a clip plane, missing samples or the wall of the
-//! volume, the face is no surface of the object, and gradients there are those of its texture and noise.
+//! volume, the face is no surface of the object, and gradients there come from its texture and noise.
 //!
 //! The *entry* of a ray is the cut that it begins at, if matter lies right behind it. The share of even light
 //! ([`crate::optics::shade::Shader::evened`]) at the way `d` behind it, in slices, is `(10 − d) / 4`, within 0 and 1: the

@@ -235,7 +235,7 @@ impl OverTile<Several<'_>> {
         if joint.is_none()
             && let Some(meets) = classifier.meets_opaque_end(w, near, far)
         {
-            // The parts are those of all layers; the layer's own meet where its densities get opaque.
+            // The parts are common to all layers; the layer's own meet where its densities get opaque.
             let passage = classifier.preintegrate(w, near, far);
             let drawn = w.sub(part.end, part.begin);
             let own_length = w.mul(drawn, length);

@@ -62,7 +62,7 @@ impl DrawnSegment {
         segment
     }
 
-    /// Positions where the segments begin and end. `s`: those of the slab.
+    /// Positions where the segments begin and end. `s`: front and back of the slab.
     #[inline(always)]
     pub fn places(&self, chunk: Chunk, rays: &Rays, [s_front, s_back]: [f32; 2]) -> [[f32; LANES]; 2] {
         let mut places = [[0.0; LANES]; 2];

@@ -78,7 +78,7 @@ pub fn render_base_planes_at(
     })
 }
 
-/// Samples of the layers, in their order, then those of the fields that colour layers.
+/// Samples of the layers, in their order, then samples of the fields that colour layers.
 pub fn slices_of<'a>(layers: &[Layer<'a>]) -> Vec<&'a Slices<'a>> {
     let colors = layers.iter().filter_map(|layer| layer.color.map(|color| color.slices));
     layers.iter().map(|layer| layer.slices).chain(colors).collect()

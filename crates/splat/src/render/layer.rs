@@ -29,7 +29,7 @@ pub struct Layer<'a> {
 
 /// A field whose values are coloured, where a layer's own values say how opaque it is.
 ///
-/// Its axes are parallel to those of the first layer, and it covers the layer that it colours.
+/// Its axes are parallel to the axes of the first layer, and it covers the layer that it colours.
 #[derive(Clone, Copy)]
 pub struct ColorField<'a> {
     /// The field's samples, ready for the layer's kernel.

@@ -59,7 +59,7 @@ pub struct StreamStep {
     pub held: Vec<IndexBox>,
     /// Per source: parts of `held` that the step before did not hold; some need not be read ([`StreamPlan::reads`]).
     pub new: Vec<Vec<IndexBox>>,
-    /// Per source: end of the slabs that can be drawn from `held`, including those of later steps.
+    /// Per source: end of the slabs that can be drawn from `held`, including slabs of later steps.
     pub served: Vec<usize>,
 }
 

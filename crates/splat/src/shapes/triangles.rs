@@ -254,7 +254,7 @@ pub fn cover(corners: [Placed; 3], canvas: &mut Canvas, mut with: impl FnMut(&mu
             }
             let offset = mean_offset(mask);
             let at = [middle[0] + offset[0], middle[1] + offset[1]];
-            // In perspective, weights are those of straight lines in the world: areas, divided by the distances.
+            // Perspective-correct weights: areas, divided by the distances.
             let areas = [0, 1, 2].map(|k| edges[k].inside(at).max(0.0) * per_ahead[k]);
             let inverse = 1.0 / (areas[0] + areas[1] + areas[2]);
             let weights = areas.map(|area| area * inverse);

@@ -1,6 +1,6 @@
 //! The index space that the layers of a picture share: rays, sheets and texels are counted in it.
 //!
-//! Its axes are those of the first layer, its spacing along each the finest that any layer has, and its box holds all
+//! Its axes are the first layer's, its spacing along each the finest that any layer has, and its box holds all
 //! of them. One volume alone has its own grid. Each layer lies in it by a shift and a scale along every axis, so that
 //! it is reconstructed on the same sheets, by footprints of its own.
 
@@ -17,7 +17,7 @@ pub const IDENTITY_MAP: IndexMap = [(0.0, 1.0); 3];
 /// The grid that layers share, and the map from it to each layer.
 #[derive(Clone, Debug)]
 pub struct CommonGrid {
-    /// The common grid; its statistics are placeholders, not those of a volume.
+    /// The common grid; its statistics are placeholders, not the statistics of a volume.
     pub grid: Grid,
     /// Maps to the layers, in their order.
     pub layers: Vec<IndexMap>,
@@ -37,7 +37,7 @@ impl CommonGrid {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] where axes are not parallel to those of the first layer, or the layers are too far apart.
+    /// [`Error::OutOfRange`] where axes are not parallel to the first layer's, or the layers are too far apart.
     pub fn new(grids: &[&Grid]) -> Result<Self> {
         let first = grids[0];
         let is_same = |grid: &&Grid| (grid.size(), grid.world_from_index()) == (first.size(), first.world_from_index());
@@ -106,7 +106,7 @@ fn place_in(other: &Grid, grid: &Grid) -> Option<(DVec3, DVec3)> {
 ///
 /// # Errors
 ///
-/// [`Error::OutOfRange`] where the field's axes are not parallel to those of the common grid, or the layer reaches further
+/// [`Error::OutOfRange`] where the field's axes are not parallel to the common grid's, or the layer reaches further
 /// than one sample of the field beyond it.
 pub fn map_of_color(common: &Grid, (layer, of_layer): (&Grid, &IndexMap), field: &Grid) -> Result<IndexMap> {
     if (field.size(), field.world_from_index()) == (layer.size(), layer.world_from_index()) {

@@ -28,7 +28,7 @@ struct PixelDistance {
 /// Side of the squares of pixels that are measured together where they are of one family: the pitch changes smoothly.
 const SQUARE_PX: usize = 8;
 
-/// Largest ratio of the chosen pitch to that of the finest pixels.
+/// Largest ratio of the chosen pitch to the pitch of the finest pixels.
 const COARSER: f64 = std::f64::consts::SQRT_2;
 
 /// The pixel spacing of each family, whatever is drawn in it: a texel stays where it is as a volume is cut.

@@ -334,7 +334,7 @@ fn preintegrate() -> Fixture {
         what: "Rays on which the density goes evenly from one number to another: the share of the way where something is \
                seen first and last, and the optical depth of the first and of the second half of what lies between, per \
                length of the whole way. Where both densities are the same, as good as, all of the way is seen. The \
-               transfer function is as in classify; slab_thickness, that of a usual slab, for the tables.",
+               transfer function is as in classify; slab_thickness, of a usual slab, is for the tables.",
         made_from: FORMULAS,
         // Differences of an integral in f32 that reaches 75.
         tolerance: [1e-5, 2e-5],

@@ -304,7 +304,7 @@ pub fn over(curves: &Curves, densities: &[f64], [lo, hi]: [f64; 2], per_s: f64) 
     light
 }
 
-/// *Over* of the spaces between sheets, pre-integrated: the colour is that of the mean place that the light comes from.
+/// *Over* of the spaces between sheets, pre-integrated: the colour belongs to the mean place that the light comes from.
 pub fn over_segments(curves: &Curves, densities: &[f64], interval: [f64; 2], per_s: f64, level_below: f64) -> Light {
     let mut light = Light::none();
     for Drawn { s: [from, to], density: [near, far] } in drawn(densities, interval) {

@@ -71,7 +71,7 @@ pub fn over() -> Fixture {
                1, 2, ... with density[sheet][ray]; interval, the part of s that is drawn; length_per_s, length along a ray \
                per s. Associated colour and opacity, and s of opacity 1/2, null where it is not reached. Each sheet stands \
                for what is nearer to it than to others; pre_integrated: densities are linear from sheet to sheet, the \
-               colour is that of the place where the light comes from on the mean. The transfer function is as in \
+               colour belongs to the place where the light comes from on the mean. The transfer function is as in \
                classify.",
         made_from: FORMULAS,
         // Tolerance of a position: rounding of opacities near 1/2, divided by the opacity that is gathered there.
@@ -153,7 +153,7 @@ pub fn first_hit() -> Fixture {
     Fixture {
         stage: "first_hit",
         what: "The first place of sixteen rays, as in over, where the density crosses iso between two sheets, from either \
-               side: s_half, null where there is none. The colour is that of iso, without shading.",
+               side: s_half, null where there is none. The colour belongs to iso, without shading.",
         made_from: FORMULAS,
         tolerance: TOLERANCE,
         exact: &["found"],

@@ -6,7 +6,7 @@
 //! | view-angle correction | slabs are `dz / cos θ` thick along a ray | they are `dz` thick, whatever the angle |
 //! | kernel slicing | a sheet is made of all slices within the kernel's radius | of the nearest slice alone |
 //! | gradient | central differences over an exact distance | forward; or of texels and sheets, as three sheet buffers give them |
-//! | footprint | exact weights | those of the nearest entry of a table, with or without noise on the samples |
+//! | footprint | exact weights | weights of the nearest entry of a table, with or without noise on the samples |
 //!
 //! Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 

@@ -18,7 +18,7 @@ impl<'a> Lights<'a> {
         Self { shading, lights: lights.collect() }
     }
 
-    /// A colour in even light, that of matter without a surface.
+    /// A colour in even light, which falls on matter without a surface.
     pub fn even(&self, rgb: [f64; 3]) -> [f64; 3] {
         let (ambient, diffuse) = (f64::from(self.shading.ambient), f64::from(self.shading.diffuse));
         let unoriented = diffuse * f64::from(self.shading.unoriented);

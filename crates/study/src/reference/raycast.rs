@@ -78,8 +78,8 @@ pub fn raycast(
 }
 
 /// Like [`raycast`], for several volumes in any positions, with a segmentation beside each: at every step extinctions
-/// add, and colours mix by extinction. The layers' shading is used, not that of the options. Index positions of a crop
-/// box are those of the first volume, and shapes are lit by its lights; the volumes cast neither occlusion nor shadow on
+/// add, and colours mix by extinction. The layers' shading is used, not the options'. Index positions of a crop
+/// box are in the first volume, and shapes are lit by its lights; the volumes cast neither occlusion nor shadow on
 /// them.
 pub fn raycast_layers(
     layers: &[CastLayer],
@@ -209,7 +209,7 @@ impl<'a> RayCaster<'a> {
                 color: layer.color.zip(color.as_ref()).map(|(of, slices)| CastField::new(of, slices, grid)),
             });
         }
-        // Oblique layers share no slices: those of the first one count.
+        // Oblique layers share no slices: the slices of the first one count.
         let grids: Vec<_> = layers.iter().map(|layer| layer.volume.grid()).collect();
         let slices_from_world = CommonGrid::new(&grids).map_or(first.index_from_world(), |c| c.grid.index_from_world());
         let shading = layers.iter().find_map(|layer| layer.shading);

@@ -236,7 +236,7 @@ mod tests {
 
     #[test]
     fn many_entries_are_the_kernel() {
-        // A weight along an axis is that of a place at most one entry away: half by rounding, half by noise. Where the
+        // A weight along an axis belongs to a place at most one entry away: half by rounding, half by noise. Where the
         // Gaussian is cut off, two samples away, it jumps by exp(−8).
         let apart = STEEPEST / 1024.0 + (-8.0_f64).exp();
         for (name, kernel) in Kernel::NAMES {

@@ -174,7 +174,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// A colour shaded with an index-space gradient, which counts as none where its square in the world is at most
-    /// `vanishing`. `even`: share of even light, that of matter without a gradient.
+    /// `vanishing`. `even`: share of even light, which falls on matter without a gradient.
     pub(super) fn light(
         &self,
         rgb: [f64; 3],

@@ -15,7 +15,7 @@
 //! slice, and texels gather the samples that reach them, so that rows of texels can be made in parallel. Texels that
 //! are outside of what is drawn or behind what is opaque are left out, and gradients where nothing can be seen.
 //!
-//! Two forms. [`base_plane`] has the texels of the fast path (those of each sheet on the same rays) and takes the
+//! Two forms. [`base_plane`] has the texels of the fast path (of each sheet on the same rays) and takes the
 //! gradient from difference footprints, or from the texels and sheet buffers beside each, with any [`Ablation`]:
 //! without one the fast path must equal it to rounding. [`picture`] warps it as the fast path does. [`super::original`]
 //! has the method as it was published. Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
@@ -71,7 +71,7 @@ use LiteralFootprint::{Difference, Smooth, SmoothSlope, Value};
 pub(super) struct BufferTexels<'a> {
     pub(super) layout: Layout,
     pub(super) size: [usize; 2],
-    /// Number that distinguishes the noise of this sheet from that of others.
+    /// Number that distinguishes the noise of this sheet from the noise of others.
     pub(super) sheet: i64,
     /// Mask of the texels that are wanted; `None` for all.
     pub(super) wanted: Option<&'a [bool]>,

@@ -10,7 +10,7 @@
 //!     clamp, and composite it into the picture (over)
 //! ```
 //!
-//! The sheet buffers, and the choices that the sources leave open, are those of [`crate::standard`].
+//! The sheet buffers, and the choices that the sources leave open, are as in [`crate::standard`].
 //! Source: Westover, *Footprint evaluation for volume rendering* (1990).
 
 use glam::{DVec2, DVec3};

@@ -17,8 +17,8 @@
 //!   picture: footprints follow any grid, and in perspective the depth of each sample.
 //!
 //! Two thicknesses ([`StandardOptions::view_angle_correction`]). From slice to slice a ray that meets the slices at the
-//! angle `θ` to their normal runs `dz / cos θ`. With the correction, opacities are those of that length. Without it
-//! they are those of `dz` from everywhere, as if the slices were seen head-on: in buffers parallel to the slices
+//! angle `θ` to their normal runs `dz / cos θ`. With the correction, opacities are for that length. Without it
+//! they are for `dz` from everywhere, as if the slices were seen head-on: in buffers parallel to the slices
 //! oblique views come out too clear, and in buffers parallel to the view plane, where the footprints of samples packed
 //! closer by `1 / cos θ` add up, too opaque and too bright.
 //!

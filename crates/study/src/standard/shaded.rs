@@ -1,8 +1,8 @@
 //! Classification and shading of the samples of a slice, before anything is splatted.
 //!
-//! The colour and the optical depth `τ` per `opacity_unit` belong to the sample's own value; its opacity is that of a
-//! slab one slice distance thick, `α = 1 − exp(−τ s)`; the gradient is the central difference of the neighbours, which
-//! stops at the faces. What is kept is associated: `(α r, α g, α b, α)`.
+//! The colour and the optical depth `τ` per `opacity_unit` belong to the sample's own value; its opacity is the opacity
+//! of a slab one slice distance thick, `α = 1 − exp(−τ s)`; the gradient is the central difference of the neighbours,
+//! which stops at the faces. What is kept is associated: `(α r, α g, α b, α)`.
 
 use glam::DVec3;
 use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel};

@@ -244,7 +244,7 @@ impl View {
             return None;
         }
         // Reach of a cylinder around a ray, cut by the slice, and of a widened footprint. In perspective the cylinder
-        // is a cone, and the ellipses are those of the samples, not of the texels.
+        // is a cone, and the ellipses belong to the samples, not to the texels.
         let radius = self.footprint.radius_squared.sqrt();
         let (factor, spare) = if self.is_parallel { (1.0, 1e-6) } else { (1.3, 0.5) };
         for c in 0..2 {

@@ -1,8 +1,8 @@
 //! Sample grid of a coarser level: positions of its low-pass coefficients among the samples.
 //!
-//! The low-pass coefficients of a family by lifting lie on every second sample, those of [`WaveletFamily::Haar`]
-//! between two samples. Where the first or last coefficient lies short of the volume's end, one more sample repeats it,
-//! as the mirrored boundary does, so that every level fills the same box.
+//! The low-pass coefficients of a family by lifting lie on every second sample, coefficients of
+//! [`WaveletFamily::Haar`] between two samples. Where the first or last coefficient lies short of the volume's end, one
+//! more sample repeats it, as the mirrored boundary does, so that every level fills the same box.
 
 use wavesplat_core::LevelGrid;
 

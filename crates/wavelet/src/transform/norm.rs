@@ -76,7 +76,7 @@ impl TransformPlan {
 /// Multiplies every coefficient by the norm of its function; thresholds apply to the absolute value of the result.
 ///
 /// # Panics
-/// Where the number of coefficients is not that of the plan's samples.
+/// Where the number of coefficients is not the plan's number of samples.
 pub fn to_amplitudes<T: Real>(plan: &TransformPlan, norm: Norm, coefficients: &mut [T]) {
     scale(plan, norm, coefficients, |factor| factor);
 }
@@ -84,7 +84,7 @@ pub fn to_amplitudes<T: Real>(plan: &TransformPlan, norm: Norm, coefficients: &m
 /// Undoes [`to_amplitudes`], to rounding.
 ///
 /// # Panics
-/// Where the number of amplitudes is not that of the plan's samples.
+/// Where the number of amplitudes is not the plan's number of samples.
 pub fn from_amplitudes<T: Real>(plan: &TransformPlan, norm: Norm, amplitudes: &mut [T]) {
     scale(plan, norm, amplitudes, f64::recip);
 }

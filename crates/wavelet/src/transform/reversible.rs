@@ -14,7 +14,7 @@ use super::plan::TransformPlan;
 use crate::family::WaveletFamily;
 
 /// Samples -> coefficients in the layout of a plan of [`WaveletFamily::Cdf53`], all levels. Along each axis the
-/// coefficients equal those of [`crate::analyse`] to about one unit.
+/// coefficients equal the coefficients of [`crate::analyse`] to about one unit.
 ///
 /// # Panics
 /// Where the plan is of another family, or of another size than the data.
@@ -38,7 +38,7 @@ pub fn synthesise_integers(plan: &TransformPlan, data: &mut [i32]) {
 
 fn check(plan: &TransformPlan, data: &[i32]) {
     let name = plan.family().name();
-    assert_eq!(plan.family(), WaveletFamily::Cdf53, "the reversible transform is that of cdf53, the plan is of {name}");
+    assert_eq!(plan.family(), WaveletFamily::Cdf53, "the reversible transform is for cdf53, the plan is for {name}");
     plan.check_len(data.len());
 }
 

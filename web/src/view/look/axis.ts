@@ -20,7 +20,7 @@ export function zoomed(seen: Range, factor: number, centre: number, whole: Range
   return within([centre - share * width, centre + (1 - share) * width], whole);
 }
 
-/** The range moved into the whole, its width kept or cut to that of the whole. */
+/** The range moved into the whole, its width kept or cut to the width of the whole. */
 export function within([low, high]: Range, whole: Range): Range {
   const width = Math.min(high - low, whole[1] - whole[0]);
   const start = clamped(low, whole[0], whole[1] - width);

@@ -32,7 +32,7 @@ export function at(curve: Curve, value: number): number[] {
   return a.slice(1).map((start, k) => start + share * ((b[k + 1] ?? start) - start));
 }
 
-/** The curve with a point added, after those of the same value. */
+/** The curve with a point added, after points of the same value. */
 export function withPoint<P extends Point>(curve: Curve<P>, point: P): Edited<P> {
   const next = curve.findIndex((other) => valueAt(other) > valueAt(point));
   const index = next < 0 ? curve.length : next;

@@ -33,7 +33,8 @@ const DEFAULT_BACKGROUND = "black";
 
 /**
  * Operations that choose a look: they set the look, light and, with a single layer, the operator; the background too if
- * it was that of the old look. One step of undo. `composite`: the operator with its numbers, which a look does not hold.
+ * it was the background of the old look. One step of undo. `composite`: the operator with its numbers, which a look
+ * does not hold.
  */
 export function chosen(state: ViewerState, layer: number, look: Look, composite?: Composite): Operation[] {
   const before = state.layers[layer]?.look;

@@ -37,7 +37,7 @@ impl<'a> Triangles<'a> {
         });
     }
 
-    /// The normal where the vertices of a face have these weights; that of the face where the vertices have none.
+    /// The normal where the vertices of a face have these weights; the face's own where the vertices have none.
     fn normal(&self, vertices: &[(usize, f64); 3], [a, b, c]: [DVec3; 3]) -> Option<DVec3> {
         let of_vertex = |v: usize| DVec3::from_array(self.mesh.normals[v].map(f64::from)).normalize_or_zero();
         let smooth = (!self.mesh.normals.is_empty())
@@ -84,7 +84,7 @@ pub(super) fn meet_card(card: &Card, ray: &ShapeRay) -> Option<Met> {
 }
 
 /// The colour of a card at a share of its width and height: bilinear between the centres of pixels. Colours mix by
-/// their opacity, since that of a clear pixel means nothing.
+/// their opacity, since the colour of a clear pixel means nothing.
 fn pixel(card: &Card, at: [f64; 2]) -> [f64; 4] {
     let taps = [0, 1].map(|axis| {
         let last = card.size[axis] - 1;

@@ -317,7 +317,7 @@ rust-lint: $(STAMPS)/venv
 	@rustup target list --installed 2>/dev/null | grep -qx $(WASM) || rustup target add $(WASM) >/dev/null 2>&1 || \
 		echo "nothing is compiled for browsers: the standard library of $(WASM) is not there and cannot be fetched"
 	cargo clippy --locked --profile checkout $$(rustup target list --installed 2>/dev/null | grep -x $(WASM) | sed 's/^/--target /') \
-		-p wavesplat-splat -p wavesplat-wavelet -p wavesplat-lod -p wavesplat-files -p wavesplat-look -p wavesplat-view -p wavesplat --no-default-features -- -D warnings
+		-p wavesplat-splat -p wavesplat-wavelet -p wavesplat-lod -p wavesplat-files -p wavesplat-look -p wavesplat-view -p wavesplat-document -p wavesplat --no-default-features -- -D warnings
 
 rust-docs: $(STAMPS)/venv
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --quiet

@@ -1,7 +1,7 @@
 """Interface of the compiled module; the public package wraps it and holds the docs that users read."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeAlias, TypedDict, final, type_check_only
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any, TypeAlias, TypedDict, TypeGuard, final, type_check_only
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +27,14 @@ __all__ = [
     "__version__",
     "about",
     "camera_axes",
+    "camera_fields",
     "camera_project",
     "camera_turned",
     "camera_unproject",
     "camera_widened",
     "channel_color",
+    "check_fields",
+    "check_list",
     "distinct_colors",
     "encode_png",
     "fit_all_views",
@@ -41,10 +44,13 @@ __all__ = [
     "gpu_count",
     "gpu_memory",
     "gpu_settle",
+    "is_number",
+    "is_point",
     "label_color",
     "light_step",
     "narrowed",
     "normals_of_faces",
+    "optional_number",
     "orbit_axes",
     "plane",
     "quality_settings",
@@ -629,3 +635,26 @@ def distinct_colors(
 def encode_png(rgba: NDArray[np.float32], bits: int) -> bytes: ...
 def straight_bytes(rgba: NDArray[np.float32]) -> bytes: ...
 def rgb_bytes(rgba: NDArray[np.float32], paper: Sequence[float]) -> bytes: ...
+def check_fields(
+    document: Mapping[str, Any], what: str, *, needed: Collection[str], known: Collection[str], hint: str
+) -> None:
+    """Refuse a document that lacks a field, is of another version or has a field too many. `hint`: where it is told."""
+
+def check_list(document: Mapping[str, Any], what: str, name: str, form: str) -> None:
+    """Refuse a field that is no list. `form`: how the list is written, for the message."""
+
+def optional_number(document: Mapping[str, Any], what: str, name: str) -> float | None:
+    """The number in a field; None if it is null or not there."""
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether a value in a JSON document is a number of absolute value up to 1e30."""
+
+def is_point(value: object) -> bool:
+    """Whether a value in a JSON document is three such numbers."""
+
+def camera_fields(
+    document: Mapping[str, Any],
+) -> tuple[
+    tuple[float, float, float], tuple[float, float, float], tuple[float, float, float], float | None, float | None
+]:
+    """Position, focal point, up, parallel scale and view angle of a camera's object, or an `ArgumentError`."""

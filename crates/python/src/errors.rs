@@ -3,7 +3,7 @@
 use pyo3::PyErr;
 use wavesplat::{Error, ErrorKind};
 
-mod exceptions {
+pub(crate) mod exceptions {
     #![allow(missing_docs, reason = "the classes are documented in wavesplat/errors.py")]
     pyo3::import_exception!(wavesplat.errors, ArgumentError);
     pyo3::import_exception!(wavesplat.errors, LimitError);

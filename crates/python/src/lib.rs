@@ -1,6 +1,7 @@
 //! `wavesplat._native`: converts, releases the interpreter lock, calls, maps errors. No algorithm lives here.
 
 mod arguments;
+mod documents;
 mod errors;
 mod gpu;
 mod labels;
@@ -35,6 +36,8 @@ mod _native {
     };
     #[pymodule_export]
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
+    #[pymodule_export]
+    use crate::documents::{camera_fields, check_fields, check_list, is_number, is_point, optional_number};
     #[pymodule_export]
     use crate::gpu::{gpu_adapters, gpu_check, gpu_count, gpu_memory, gpu_settle};
     #[pymodule_export]

@@ -39,6 +39,7 @@
 //!
 //! # What else there is
 //!
+//! - [`document::CameraDocument`]: cameras that Python or the viewer saved as JSON.
 //! - [`view::InView`]: cameras on an orbit, or of a named view, that show all of a volume; [`view::Pose`]: their turns.
 //! - [`Composite`]: *over*, first hit of an isosurface, and projections (MIP and others).
 //! - [`Shading`]: Phong, lights, ambient occlusion, shadows. [`Labels`]: a segmentation beside the scan.
@@ -111,6 +112,7 @@ pub use wavesplat_core::{
     Result, Samples, Shading, ShapeStyle, Shapes, Sizes, Statistics, Thickness, TransferFunction, TransferFunction2D,
     Volume, normals_of_faces,
 };
+pub use wavesplat_document as document;
 #[cfg(feature = "gpu")]
 pub use wavesplat_gpu as gpu;
 pub use wavesplat_look as look;

@@ -79,6 +79,7 @@ ROOMS = {
     "crates/files/src": ["length_units", "stored", "error", "nifti", "nrrd"],
     "crates/look/src": ["colors", "channel_colors"],
     "crates/view/src": ["rotation", "lens", "named", "pose", "fit"],
+    "crates/document/src": ["node", "error", "fields", "camera"],
     "crates/wavesplat/src": [
         "error",
         "quality",
@@ -110,6 +111,7 @@ LEAVES = {
     "crates/files/src": ["lib"],
     "crates/look/src": ["lib"],
     "crates/view/src": ["lib"],
+    "crates/document/src": ["lib"],
     "crates/wavesplat/src": ["lib"],
 }
 

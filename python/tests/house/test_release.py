@@ -151,7 +151,7 @@ def test_crates_that_are_published_have_what_their_pages_show():
         readme = package["readme"]
         assert (path.parent / readme if isinstance(readme, str) else ROOT / workspace["package"]["readme"]).is_file()
         assert all((path.parent / name).is_file() for name in ("LICENSE-MIT", "LICENSE-APACHE"))
-    assert len(published) == 11
+    assert len(published) == 12
     assert {"wavesplat", "wavesplat-core", "wavesplat-splat"} <= set(published)
 
 

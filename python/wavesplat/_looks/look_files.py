@@ -16,6 +16,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
+from wavesplat import _native
 from wavesplat._looks.curves import transfer_function
 from wavesplat._looks.curves import transfer_function as transfer_function_json
 from wavesplat._looks.curves.transfer_function import TransferFunction
@@ -73,7 +74,7 @@ def parse(text: str, volume: Volume | WaveletVolume | None) -> Look:
 def build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Look:
     """The look that an object describes."""
     needed = ("version", "transfer_function")
-    json_texts.check_fields(document, WHAT, needed=needed, known=FIELDS, hint="Look.to_json")
+    _native.check_fields(document, WHAT, needed=needed, known=FIELDS, hint="Look.to_json")
     for name in TEXTS:
         if not isinstance(document.get(name), str | None):
             raise ArgumentError(f"{WHAT}: field {name!r} is {document[name]!r}; it must be a text or null")

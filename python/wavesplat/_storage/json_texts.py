@@ -6,13 +6,12 @@ Transfer functions and materials are such texts; presets are files of them in a 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from os import PathLike
 from typing import Any, TypeVar
 
 from wavesplat._storage.output import write_atomically
 from wavesplat._storage.paths import read_text
-from wavesplat._system.values import is_number
 from wavesplat.errors import ArgumentError
 
 # JSON texts as Python values: the one entry for documents, states, patches and messages.
@@ -159,35 +158,6 @@ def parse(text: str, what: str, contents: str) -> dict[str, Any]:
     if not isinstance(document, dict):
         raise ArgumentError(f"{what}: the JSON text is not an object; it must be {{...}} with {contents}")
     return document
-
-
-def check_fields(
-    document: dict[str, Any], what: str, *, needed: Collection[str], known: Collection[str], hint: str
-) -> None:
-    """Refuse an object that lacks a field or has one too many. `hint`: where its form is described."""
-    for name in needed:
-        if name not in document:
-            raise ArgumentError(f"{what}: field {name!r} is missing; see {hint} for the form")
-    version = document.get("version", VERSION)
-    if version != VERSION or type(version) is not int:
-        raise ArgumentError(f"{what}: field 'version' is {version!r}; this release reads version {VERSION}")
-    unknown = sorted(set(document) - set(known))
-    if unknown:
-        raise ArgumentError(f"{what}: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(known))}")
-
-
-def check_list(document: dict[str, Any], what: str, name: str, form: str) -> None:
-    """Refuse a field that is no list. `form`: how the list is written, for the message."""
-    if not isinstance(document.get(name, []), list):
-        raise ArgumentError(f"{what}: field {name!r} is not a list; write {form}")
-
-
-def optional_number(document: dict[str, Any], what: str, name: str) -> float | None:
-    """The number in a field; None if it is null or not there."""
-    number: Any = document.get(name)
-    if number is not None and not is_number(number):
-        raise ArgumentError(f"{what}: field {name!r} is {number!r}; it must be a number or null")
-    return number
 
 
 def names_in(folder: Any) -> list[str]:

@@ -8,15 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import inf, isfinite, ulp
 from operator import index
-from typing import Any, TypeGuard
+from typing import Any
 
 from wavesplat.errors import ArgumentError
 
 #: Letters of a value in a message, at most; longer ones are named by their type.
 MAX_LETTERS = 60
-#: The largest number of a scene: samples may be 1e14 units apart, and 1e12 times that from the origin. Its square is
-#: still far from the largest float64. `web/src/state/checks.ts` has the same.
-LARGEST = 1e30
 
 
 def described(value: object, *, lists: bool = False) -> str:
@@ -43,16 +40,6 @@ def float_of(value: Any) -> float | None:
         return float(value)
     except (TypeError, ValueError, OverflowError):
         return None
-
-
-def is_number(value: object) -> TypeGuard[float]:
-    """Whether a value in a JSON document is a number of absolute value up to `LARGEST`."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and -LARGEST <= value <= LARGEST
-
-
-def is_point(value: object) -> bool:
-    """Whether a value in a JSON document is three such numbers."""
-    return isinstance(value, list | tuple) and len(value) == 3 and all(map(is_number, value))
 
 
 def number(

@@ -12,6 +12,7 @@ from importlib.resources import files
 from os import PathLike
 from typing import Any
 
+from wavesplat import _native
 from wavesplat._looks.curves.materials import Material, Materials
 from wavesplat._storage import json_texts
 from wavesplat.errors import ArgumentError
@@ -38,9 +39,9 @@ def load(path: str | PathLike[str]) -> Materials:
 def parse(text: str) -> Materials:
     """The materials in a JSON text."""
     document = json_texts.parse(text, WHAT, "materials")
-    json_texts.check_fields(document, WHAT, needed=("version", "materials"), known=FIELDS, hint=HINT)
-    json_texts.check_list(document, WHAT, "materials", "[{...}, ...]")
-    unit = json_texts.optional_number(document, WHAT, "opacity_unit")
+    _native.check_fields(document, WHAT, needed=("version", "materials"), known=FIELDS, hint=HINT)
+    _native.check_list(document, WHAT, "materials", "[{...}, ...]")
+    unit = _native.optional_number(document, WHAT, "opacity_unit")
     return Materials((_material(entry, number) for number, entry in enumerate(document["materials"])), unit)
 
 
@@ -60,7 +61,7 @@ def _material(entry: Any, number: int) -> Material:
     what = f"materials: field 'materials', number {number}"
     if not isinstance(entry, dict):
         raise ArgumentError(f"{what}: {entry!r} is not an object; write {{...}} with {', '.join(NEEDED_OF_EACH)}")
-    json_texts.check_fields(entry, what, needed=NEEDED_OF_EACH, known=FIELDS_OF_EACH, hint=HINT)
+    _native.check_fields(entry, what, needed=NEEDED_OF_EACH, known=FIELDS_OF_EACH, hint=HINT)
     try:
         return Material(**entry)
     except ArgumentError as error:

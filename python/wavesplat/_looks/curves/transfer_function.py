@@ -377,15 +377,15 @@ def build(
     document: dict[str, Any], volume: Volume | WaveletVolume | None, needed: Collection[str] = NEEDED
 ) -> TransferFunction:
     """The transfer function that an object describes. `needed`: fields that it must have."""
-    json_texts.check_fields(document, WHAT, needed=needed, known=FIELDS, hint="TransferFunction.to_json")
+    _native.check_fields(document, WHAT, needed=needed, known=FIELDS, hint="TransferFunction.to_json")
     for name in ("opacity", "color", "gradient_opacity"):
-        json_texts.check_list(document, WHAT, name, "nodes, [[value, ...], ...]")
+        _native.check_list(document, WHAT, name, "nodes, [[value, ...], ...]")
     scale = document.get("values", "samples")
     if scale not in value_scale.NAMES:
         names = ", ".join(f'"{name}"' for name in value_scale.NAMES)
         raise ArgumentError(f"transfer function: field 'values' is {scale!r}; it is one of: {names}")
-    unit = json_texts.optional_number(document, WHAT, "opacity_unit")
-    share = json_texts.optional_number(document, WHAT, "opacity_unit_share")
+    unit = _native.optional_number(document, WHAT, "opacity_unit")
+    share = _native.optional_number(document, WHAT, "opacity_unit_share")
     curves = TransferFunction(document["opacity"], document["color"], unit, document.get("gradient_opacity", []))
     if scale in value_scale.ABSOLUTE and share is None:
         return curves

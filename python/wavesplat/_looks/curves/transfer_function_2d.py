@@ -237,11 +237,9 @@ class TransferFunction2D:
     @classmethod
     def _of_fields(cls, document: dict[str, Any]) -> TransferFunction2D:
         """The function that a JSON object describes."""
-        from wavesplat._storage import json_texts as json_object
-
         needed = ("values", "magnitudes", "rgba")
         known = {*needed, "version", "name", "description", "opacity_unit", "rows"}
-        json_object.check_fields(document, WHAT, needed=needed, known=known, hint="TransferFunction2D.to_json")
+        _native.check_fields(document, WHAT, needed=needed, known=known, hint="TransferFunction2D.to_json")
         unit = document.get("opacity_unit")
         if unit is not None and (isinstance(unit, bool) or not isinstance(unit, int | float)):
             raise ArgumentError(f"{WHAT}: field 'opacity_unit' is {described(unit)}; it must be a number or null")

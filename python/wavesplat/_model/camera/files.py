@@ -9,15 +9,14 @@ from __future__ import annotations
 
 from typing import Any
 
+from wavesplat import _native
 from wavesplat._model.camera.camera import Camera
 from wavesplat._storage import json_texts
-from wavesplat._storage import json_texts as json_text
-from wavesplat._system.values import described, is_point
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 WHAT = "camera"
 TRIPLE = ("position", "focal_point", "view_up")
-LENSES = ("parallel_scale", "view_angle")
 
 
 def fields_of(camera: Camera) -> dict[str, Any]:
@@ -39,18 +38,10 @@ def parse(text: str) -> Camera:
 
 def build(document: dict[str, Any]) -> Camera:
     """The camera that an object describes."""
-    json_text.check_values(document, WHAT)
-    known = {"version", *TRIPLE, *LENSES}
-    json_texts.check_fields(document, WHAT, needed=("version", *TRIPLE), known=known, hint="Camera.as_json")
-    for name in TRIPLE:
-        given = document[name]
-        if not is_point(given):
-            raise ArgumentError(f"{WHAT}: field {name!r} is {described(given)}; it must be three numbers, [x, y, z]")
-    scale, angle = (json_texts.optional_number(document, WHAT, name) for name in LENSES)
-    if (scale is None) == (angle is None):
-        raise ArgumentError(f"{WHAT}: give one of the fields 'parallel_scale' and 'view_angle'")
+    json_texts.check_values(document, WHAT)
+    *triple, scale, angle = _native.camera_fields(document)
     try:
-        return Camera(*(document[name] for name in TRIPLE), parallel_scale=scale, view_angle=angle)
+        return Camera(*triple, parallel_scale=scale, view_angle=angle)
     except ArgumentError as error:
         raise ArgumentError(f"{WHAT}: {error}") from None
 

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
+from wavesplat import _native
 from wavesplat._storage import reading as xml_text
-from wavesplat._system.values import is_number, is_point
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -178,7 +178,7 @@ def _view(proxy: _Proxy) -> View:
     given = {key: proxy.properties.get(key, default) for key, default in VIEW.items()}
     for key, default in VIEW.items():
         value = given[key]
-        is_right = is_point(value) if isinstance(default, tuple) else is_number(value)
+        is_right = _native.is_point(value) if isinstance(default, tuple) else _native.is_number(value)
         if not is_right:
             wanted = "three numbers" if isinstance(default, tuple) else "a number"
             raise ArgumentError(f"{WHAT}: {key} of {proxy.name!r} is {value!r}; it must be {wanted}")
@@ -296,7 +296,7 @@ def _written(value: ast.expr, made: dict[str, _Proxy]) -> Any:
     given = dict(zip(("preset_name", "range_min", "range_max"), map(_literal, value.args), strict=False))
     given |= {one.arg: _literal(one.value) for one in value.keywords if one.arg is not None}
     preset, low, high = given.get("preset_name"), given.get("range_min", 0.0), given.get("range_max", 1.0)
-    if not (is_number(low) and is_number(high) and (preset is None or isinstance(preset, str))):
+    if not (_native.is_number(low) and _native.is_number(high) and (preset is None or isinstance(preset, str))):
         return None
     return NamedPoints(preset or "", low, high)
 

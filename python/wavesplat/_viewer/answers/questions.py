@@ -14,6 +14,7 @@ from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
+from wavesplat import _native
 from wavesplat._looks import look_files, presets
 from wavesplat._looks.kinds.histogram import finite_samples
 from wavesplat._looks.look import Look
@@ -22,7 +23,7 @@ from wavesplat._scene.documents import scene_json
 from wavesplat._scene.scene import names_by_themselves
 from wavesplat._storage import json_texts
 from wavesplat._system.threads import collected_notes
-from wavesplat._system.values import described, is_number, is_point, whole
+from wavesplat._system.values import described, whole
 from wavesplat._viewer.answers import code, export_html
 from wavesplat._viewer.answers.code import USUAL, short_document
 from wavesplat._viewer.answers.measuring import label_statistics, region_statistics
@@ -452,7 +453,7 @@ OF_CAMERAS = ("framed", "first_view", "kept_in_view")
 
 def _number(arguments: Mapping[str, Any], name: str) -> float:
     value = arguments.get(name)
-    if not is_number(value):
+    if not _native.is_number(value):
         raise ArgumentError(f"{name} is {described(value)}; give a number")
     return float(value)
 
@@ -496,6 +497,6 @@ def _size(arguments: Mapping[str, Any]) -> tuple[int, int]:
 
 def _point(arguments: Mapping[str, Any], name: str) -> Any:
     point = arguments.get(name)
-    if not is_point(point):
+    if not _native.is_point(point):
         raise ArgumentError(f"{name} is {described(point)}; give three numbers, [x, y, z]")
     return np.array(point, np.float64)

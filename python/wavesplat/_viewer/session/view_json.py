@@ -19,8 +19,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, get_args
 
+from wavesplat import _native
 from wavesplat._model.arguments.sampling import Slab
-from wavesplat._system.values import described, is_number, is_point
+from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 PANES = ("z", "y", "x")
@@ -100,9 +101,9 @@ def checked(view: Any, crosshair: Iterable[float]) -> dict[str, Any]:
 def _check_slices(slices: dict[str, Any]) -> None:
     _point(slices["crosshair"], "slices.crosshair")
     _one_of(slices["slab"], get_args(Slab), "slices.slab")
-    if not (is_number(slices["thickness"]) and slices["thickness"] >= 0):
+    if not (_native.is_number(slices["thickness"]) and slices["thickness"] >= 0):
         raise ArgumentError(f"{WHAT}.slices.thickness is {described(slices['thickness'])}; it must be 0 or a length")
-    if not (is_number(slices["zoom"]) and 0.01 <= slices["zoom"] <= 1000):
+    if not (_native.is_number(slices["zoom"]) and 0.01 <= slices["zoom"] <= 1000):
         raise ArgumentError(f"{WHAT}.slices.zoom is {described(slices['zoom'])}; it must be a number, 0.01 to 1000")
     if "center" in slices:
         _point(slices["center"], "slices.center")
@@ -110,7 +111,9 @@ def _check_slices(slices: dict[str, Any]) -> None:
         _one_of(slices["colors"], COLORS, "slices.colors")
     if "window" in slices:
         window = slices["window"]
-        if not (isinstance(window, list) and len(window) == 2 and all(map(is_number, window)) and window[1] > 0):
+        if not (
+            isinstance(window, list) and len(window) == 2 and all(map(_native.is_number, window)) and window[1] > 0
+        ):
             raise ArgumentError(f"{WHAT}.slices.window is {described(window)}; it must be [level, width]")
     if "normals" in slices:
         normals = _object(slices["normals"], f"{WHAT}.slices.normals", dict.fromkeys(PANES))
@@ -154,5 +157,5 @@ def _one_of(value: Any, known: Iterable[str], name: str) -> None:
 
 
 def _point(point: Any, name: str) -> None:
-    if not is_point(point):
+    if not _native.is_point(point):
         raise ArgumentError(f"{WHAT}.{name} is {described(point)}; it must be three numbers, [x, y, z]")

@@ -1,0 +1,27 @@
+//! JSON documents of Wavesplat: which fields they have, which values these take, and errors that name the field.
+//!
+//! A document is read through the trait [`ValueNode`], by which the values of another language are read where they lie:
+//! [`serde_json::Value`] is one, the objects of Python are another. What is valid is decided here for all of them.
+//!
+//! ```
+//! use wavesplat_document::{CameraDocument, LensField};
+//!
+//! let camera: serde_json::Value = serde_json::from_str(
+//!     r#"{"version": 1, "position": [0, 500, 0], "focal_point": [0, 0, 0], "view_up": [0, 0, 1], "view_angle": 30}"#,
+//! )
+//! .unwrap();
+//! assert_eq!(CameraDocument::read(&&camera).unwrap().lens, LensField::ViewAngle(30.0));
+//!
+//! let error = CameraDocument::read(&&serde_json::json!({"version": 1})).unwrap_err();
+//! assert_eq!(error.to_string(), "camera: field 'position' is missing; see Camera.as_json for the form");
+//! ```
+
+mod camera;
+mod error;
+mod fields;
+mod node;
+
+pub use camera::{CameraDocument, LensField};
+pub use error::{FieldError, Found};
+pub use fields::{LARGEST, VERSION, check_fields, check_list, is_number, is_point, optional_number};
+pub use node::ValueNode;

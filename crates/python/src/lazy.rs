@@ -1,7 +1,7 @@
 //! Volumes whose samples Python reads while they are drawn, described by a survey, one pass over all samples.
 
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
 use numpy::{
@@ -92,7 +92,7 @@ impl PySurvey {
         array.with_samples(py, |samples, n| {
             let part = VolumeBox { lo: xyz(lo), size: n, samples };
             self.check_inside(&part)?;
-            py.detach(|| self.survey.lock().unwrap_or_else(PoisonError::into_inner).add(&part));
+            py.detach(|| self.locked().add(&part));
             Ok(())
         })?
     }
@@ -126,7 +126,7 @@ impl PySurvey {
             let grid = Grid::new("box", self.size, world_from_index, statistics, samples.is_narrow()).map_err(to_py)?;
             py.detach(|| {
                 let slices = Slices::of_box(&part, &grid, kernel, [0.0; 2]);
-                self.survey.lock().unwrap_or_else(PoisonError::into_inner).add_prepared(&slices, &inner);
+                self.locked().add_prepared(&slices, &inner);
             });
             Ok(())
         })?
@@ -134,26 +134,25 @@ impl PySurvey {
 
     /// Frees the bounds.
     fn forget_bounds(&self) {
-        self.survey.lock().unwrap_or_else(PoisonError::into_inner).forget_bounds();
+        self.locked().forget_bounds();
     }
 
     /// Whether the survey has bounds.
     #[getter]
     fn has_bounds(&self) -> bool {
-        !self.survey.lock().unwrap_or_else(PoisonError::into_inner).bounds().1.is_empty()
+        !self.locked().bounds().1.is_empty()
     }
 
     /// Smallest and largest finite sample, and number of samples that are not finite.
     #[getter]
     fn statistics(&self) -> (f64, f64, usize) {
-        let Statistics { min, max, n_nonfinite } =
-            self.survey.lock().unwrap_or_else(PoisonError::into_inner).statistics();
+        let Statistics { min, max, n_nonfinite } = self.locked().statistics();
         (min, max, n_nonfinite)
     }
 
     /// Cells along a side of a brick, the bounds of bricks, and the strided samples.
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
-        let survey = self.survey.lock().unwrap_or_else(PoisonError::into_inner);
+        let survey = self.locked();
         let (side, bounds) = survey.bounds();
         let [nx, ny, nz] = self.size.map(|n| (n - 1).div_ceil(side));
         let bounds = bounds.as_flattened().to_vec().into_pyarray(py).reshape([nz, ny, nx, 2])?;
@@ -163,12 +162,17 @@ impl PySurvey {
 
     /// Strided samples at index `which`.
     fn strided<'py>(&self, py: Python<'py>, which: usize) -> PyResult<Bound<'py, PyArray3<f32>>> {
-        let survey = self.survey.lock().unwrap_or_else(PoisonError::into_inner);
+        let survey = self.locked();
         array_of(py, survey.strided().get(which).ok_or_else(|| PyValueError::new_err("no such strided samples"))?)
     }
 }
 
 impl PySurvey {
+    /// The survey, also after a panic of a thread that held it: it is valid between calls.
+    fn locked(&self) -> MutexGuard<'_, Survey> {
+        self.survey.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn check_inside(&self, part: &VolumeBox) -> PyResult<()> {
         let inside = (0..3).all(|a| part.size[a] > 0 && part.lo[a].saturating_add(part.size[a]) <= self.size[a]);
         if inside { Ok(()) } else { Err(PyValueError::new_err("the box must lie in the volume")) }
@@ -247,8 +251,8 @@ impl PyLazyVolume {
         level: Option<LevelArguments<'_>>,
     ) -> PyResult<Self> {
         let kernel = Kernel::from_name(kernel).map_err(to_py)?;
-        let survey = survey.survey.lock().unwrap_or_else(PoisonError::into_inner);
-        let prepared = prepared.map(|prepared| prepared.survey.lock().unwrap_or_else(PoisonError::into_inner));
+        let survey = survey.locked();
+        let prepared = prepared.map(PySurvey::locked);
         let own = affine(&world_from_index)?;
         let mut grid = Grid::new(name, xyz(shape), own, survey.statistics(), is_narrow).map_err(to_py)?;
         let mut looks = None;

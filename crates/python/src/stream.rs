@@ -1,6 +1,6 @@
 //! Frames whose samples Python reads while they are drawn.
 
-use std::sync::{PoisonError, RwLock, RwLockReadGuard};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -215,7 +215,7 @@ impl PyStream {
     /// Puts the final state of a block into the picture.
     fn put(&self, py: Python<'_>, block: usize, state: &PyBlockState) -> PyResult<()> {
         self.check(block, None)?;
-        py.detach(|| self.0.write().unwrap_or_else(PoisonError::into_inner).put(block, state.0.clone()));
+        py.detach(|| self.locked_to_write().put(block, state.0.clone()));
         Ok(())
     }
 
@@ -236,7 +236,7 @@ impl PyStream {
         if plane >= self.n_planes() {
             return Err(PyValueError::new_err("there is no such base plane"));
         }
-        py.detach(|| self.0.write().unwrap_or_else(PoisonError::into_inner).put_plane(plane, state.0.clone()));
+        py.detach(|| self.locked_to_write().put_plane(plane, state.0.clone()));
         Ok(())
     }
 
@@ -250,6 +250,10 @@ impl PyStream {
 impl PyStream {
     fn locked(&self) -> RwLockReadGuard<'_, Stream> {
         self.0.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn locked_to_write(&self) -> RwLockWriteGuard<'_, Stream> {
+        self.0.write().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn check(&self, block: usize, step: Option<usize>) -> PyResult<()> {

@@ -27,7 +27,7 @@ class Adapter:
     driver : str
         Name and version of the driver.
     vendor_id, device_id : int
-        Numbers of maker and model, as of PCI.
+        Numbers of maker and model, as on PCI.
     """
 
     name: str

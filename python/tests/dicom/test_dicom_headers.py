@@ -308,7 +308,7 @@ def test_slopes_that_cannot_be(tmp_path, slope, intercept):
     np.testing.assert_array_equal(volume.samples, pixels)
     assert volume.dtype == np.uint16
     save(folder, [*datasets[:2], slice_at(pixels[2], 2, RescaleSlope=2, RescaleIntercept=0)])
-    with pytest.raises(FileError, match=r"values of 2 files cannot be told: 000.dcm has slope"):
+    with pytest.raises(FileError, match=r"values of 2 files are unknown: 000.dcm has slope"):
         ws.open(folder)
 
 

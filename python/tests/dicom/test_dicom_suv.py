@@ -308,7 +308,7 @@ def test_times_are_in_uptake_too(tmp_path):
         ({"modality": "CT", "RescaleType": "HU"}, "HU", ""),
         ({"modality": "CT", "RescaleType": "MGML"}, "mg/ml", ""),
         ({"modality": "CT", "RescaleType": "EDW"}, "electron density of water", ""),
-        ({"modality": "CT", "RescaleType": "US"}, "HU", "as of every CT: RescaleType .* is US, and names no unit"),
+        ({"modality": "CT", "RescaleType": "US"}, "HU", "as in every CT: RescaleType .* is US, and names no unit"),
         ({"modality": "CR", "RescaleType": "OD"}, "10⁻³ optical density", ""),
         ({"modality": "MR"}, "a.u.", ""),
         ({"modality": "MR", "RescaleType": "normalized"}, "a.u.", ""),

@@ -55,7 +55,7 @@ def test_volumes_of_one_value(composite):
     ("options", "note"),
     [
         ({"clim": (1000, 2000)}, "lie beyond the window, 1000 to 2000"),
-        ({"transfer_function": BEYOND}, "lie beyond what the transfer function tells apart"),
+        ({"transfer_function": BEYOND}, "lie beyond the range of the transfer function"),
         ({"center": (500, 500, 500)}, "no part of the volume lies in the picture"),
     ],
 )

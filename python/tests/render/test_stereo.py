@@ -140,7 +140,7 @@ def test_what_cannot_be_is_refused():
         ws.render(volume, FOLDS, stereo=ws.Stereo("left", 9, 2), size=(32, 32))
     with pytest.raises(ws.errors.ArgumentError, match="convergence is of flat pictures"):
         ws.render(volume, FOLDS, panorama=True, stereo=ws.Stereo("left", 1, 2), size=(32, 16))
-    with pytest.raises(ws.errors.ArgumentError, match="depth-shaded-maximum tells depths along one line of sight"):
+    with pytest.raises(ws.errors.ArgumentError, match="depth-shaded-maximum shows depths along one line of sight"):
         ws.render(volume, FOLDS, panorama=True, composite="depth-shaded-maximum", size=(32, 16))
     with pytest.raises(ws.errors.ArgumentError, match="stereo is 3; give a wavesplat.Stereo"):
         ws.render(volume, FOLDS, stereo=3, size=(32, 32))

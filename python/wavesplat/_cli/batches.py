@@ -117,7 +117,7 @@ class Batch:
             try:
                 chosen = choose(path)
             except WavesplatError:
-                continue  # it is told when it is drawn
+                continue  # the fault is reported when it is drawn
             ends = [bright_end(layer.looked_at) for layer in chosen.scene.layers]
             ours = list(zip(ends, chosen.looks, strict=False))
             if not found:
@@ -195,7 +195,7 @@ def _text(input: str, windows: Sequence[tuple[float, float]]) -> str:
 
 
 def _distinct_names(inputs: Sequence[str]) -> list[str]:
-    """Names of inputs without their suffixes, with as many folders before them as tell them apart."""
+    """Names of inputs without their suffixes, with as few folders before them as make them different."""
     paths = [Path(safe_address(input)) for input in inputs]
     stems = [stem_of(input) for input in inputs]
     for n_folders in range(max(len(path.parts) for path in paths)):

@@ -56,7 +56,7 @@ def done(client: Any, futures: Sequence[Any]) -> Iterator[Any]:
 
 
 def result_of(client: Any, future: Any) -> Any:
-    """The result of a future; errors as of `done`, a `ClusterError` where workers died of it, and a `LibraryError`."""
+    """The result of a future; errors of `done`, a `ClusterError` where workers died of it, and a `LibraryError`."""
     distributed: Any = library("distributed", extra="dask")
     (one,) = done(client, [future])
     try:

@@ -141,7 +141,7 @@ class Lines(Shape):
 
 
 def _on_positions(given: Any, chains: Chains, ndim: int) -> Any:
-    """Values or colours for each position, of those for each position or each path; others as they are.
+    """Values or colours for each position, where they are given for each position or path; others as they are.
 
     ndim : 1 of values, 2 of colours.
     """

@@ -27,7 +27,7 @@ Array: TypeAlias = NDArray[np.float64]
 
 #: Opacity from which on a shape is taken for what lies behind it: the half at which pictures record depth.
 OPAQUE = 0.5
-#: Thin lines and small points are met within so many pixels, since no hand is steadier.
+#: Distance within which thin lines and small points are met, pixels: no hand is steadier.
 SLACK_PX = 2.0
 
 
@@ -85,7 +85,7 @@ class _Met:
         return _Met(self.depths[kept], self.parts[kept], self.opacities[kept], values)
 
     def on_both_sides(self, half: Array) -> _Met:
-        """The places where a ray enters and leaves solids, from those in their middles and half of the way through.
+        """The places where a ray enters and leaves solids, from places in their middles and half of the way through.
 
         An eye in a solid sees its far side, and so does one before a clip that takes the near side away.
         """

@@ -135,7 +135,7 @@ def _with_opacity(function: TransferFunction, opacity: Any) -> TransferFunction:
 
 
 def exposed(function: TransferFunction, exposure: float, *, is_channel: bool, is_projection: bool) -> TransferFunction:
-    """Colours of matter that gives off so many times the light; above 1 it is denser too, but for projections."""
+    """Colours of matter that gives off `exposure` times the light; above 1 it is denser too, but for projections."""
     color, opacity = _divided(function.color, N_PARTS), np.array(function.opacity)
     if exposure > 1 and not is_projection:
         opacity = _divided(function.opacity, N_PARTS)

@@ -106,7 +106,7 @@ class Look:
         Raises
         ------
         ArgumentError
-            If all samples are equal: there is nothing to tell apart. If there is no map of that name, or the look is
+            If all samples are equal. If there is no map of that name, or the look is
             not one of a field, such as the look of a CT or of a projection.
         """
         from wavesplat._looks.kinds import automatic
@@ -283,7 +283,7 @@ class Look:
         ----------
         path : path
             JSON as `save` or `TransferFunction.save` writes it; 3D Slicer's `.vp`, `.vp.json` and scenes such as
-            `presets.xml`, with their light; ParaView's colour maps, `.json` and `.xml`, and those in its states,
+            `presets.xml`, with their light; ParaView's colour maps, `.json` and `.xml`, and the maps in its states,
             `.pvsm` and `.py`, which are read and never run.
         volume : Volume or WaveletVolume, optional
             Needed where values are relative to a volume's. Colour maps of ParaView from 0 to 1 are stretched over its

@@ -73,8 +73,8 @@ class Shading:
     specular_power : float, 1 to 1000
         Higher is a smaller, sharper highlight.
     gradient_smoothing : float, 0 or 0.5 to 1.25
-        Normals are along the gradient of the samples smoothed by so many voxels, the standard deviation of a cubic
-        B-spline: surfaces do not show the steps of voxels as rings. Edges and opacities are not smoothed. 0 takes
+        Standard deviation, in voxels, of the cubic B-spline that smooths the samples before normals are taken along
+        their gradient: surfaces do not show the steps of voxels as rings. Edges and opacities are not smoothed. 0 takes
         differences of what is drawn.
     gradient_offset : float, 0.01 to 4
         Without smoothing: half the width of these differences, in voxels.

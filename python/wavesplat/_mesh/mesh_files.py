@@ -44,7 +44,7 @@ def safe_names(names: Sequence[str], numbers: Sequence[int]) -> list[str]:
 OF_PARTS = (".3mf", ".glb", ".gltf")
 #: Units of 3MF; lengths in others are written as numbers of millimetres.
 UNITS = {"um": "micron", "mm": "millimeter", "cm": "centimeter", "m": "meter"}
-#: Colour of meshes without one, as of bone.
+#: Colour of meshes without one: like bone.
 GREY = (0.9, 0.88, 0.84)
 
 CONTENT_TYPES = """<?xml version="1.0" encoding="UTF-8"?>

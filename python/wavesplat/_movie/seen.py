@@ -91,7 +91,7 @@ def _exposed(scene: Scene, layer: DrawnLayer, operator: Operator, camera: Camera
         return bare.render(at, size=of, quality=COARSE, composite=operator)
 
     volume, whole = layer.volume, layer.layer
-    if isinstance(whole.volume, Series):  # as of other looks, so that no time is clipped
+    if isinstance(whole.volume, Series):  # as for other looks, so that no time is clipped
         whole = replace(whole, time=brightest_number(whole.volume))
         volume = whole.drawn
     function = projection.exposed_by(overview, volume, name, camera, size)

@@ -153,7 +153,7 @@ class Picture:
 
     @property
     def camera(self) -> Camera | None:
-        """Camera of the picture; None where unknown, as of a slice."""
+        """Camera of the picture; None where unknown, such as of a slice."""
         from wavesplat._model.camera.camera import Camera
 
         camera = self.report.get("camera")
@@ -233,8 +233,8 @@ class Picture:
             the world of a patient. "cube": a small cube, its faces with these letters, else with x, y, z. "axes": the
             same as arrows.
         colorbar : bool, str or sequence of str
-            The colours of the values that are shown, for all layers and what stands in space with values, or for those
-            of these names. Light and shadows are not in it, nor is opacity, but for projections.
+            The colours of the values that are shown, for all layers and what stands in space with values, or only
+            where they have one of these names. Light and shadows are not in it, nor is opacity, but for projections.
         legend : bool or sequence of str
             Names and colours of the labels and, where there are several, of the layers, of more than 30 the first 30;
             or of these only. Slices name the labels in them; where there are none, all.

@@ -106,7 +106,7 @@ def type_of_length(dtype: np.dtype[Any]) -> np.dtype[Any]:
 def length_of(components: Sequence[NDArray[Any]]) -> NDArray[Any]:
     """The length of vectors, as `type_of_length`.
 
-    Infinite where no number is large enough, as of the largest float that marks missing vectors.
+    Infinite where no number is large enough, such as for the largest float, which marks missing vectors.
     """
     dtype = type_of_length(components[0].dtype)
     total = np.zeros(components[0].shape, dtype)

@@ -158,8 +158,8 @@ def level_numbers(count: int, request: Request) -> list[int]:
     return [level]
 
 
-#: Whether a single plane is taken as two equal ones beside each other. Not an argument of functions that open, as of
-#: what they give a picture is drawn.
+#: Whether a single plane is taken as two equal ones beside each other. Not an argument of functions that open, whose
+#: volumes are drawn.
 PLANES_ARE_TAKEN: ContextVar[bool] = ContextVar("planes_are_taken", default=False)
 
 

@@ -66,8 +66,8 @@ def open_transform(path: str | PathLike[str], *, moving: VolumeLike, fixed: Volu
         moving one, LPS, as these programs write it. FreeSurfer (.lta): `src` to `dst`. FSL's FLIRT (.mat of 4 x 4
         numbers): `-in` to `-ref`. Each is turned into the same direction.
     moving, fixed : Volume, WaveletVolume, or what else `Volume` takes
-        The scan that is moved onto the other one. FLIRT's file counts in their voxels, so they have to be those that
-        FLIRT was given, or others on the same grids; of LTA their grids say which is `src`.
+        The scan that is moved onto the other one. FLIRT's file counts in their voxels, so they have to be the scans
+        that FLIRT was given, or others on the same grids; of LTA their grids say which is `src`.
 
     Returns
     -------

@@ -53,7 +53,7 @@ ATOMS = (
 )
 MESH = ("a mesh", "name the image that it was made from, and draw the mesh with it (--surface)")
 PICTURE = ("one picture", "a volume is a folder of TIFF or DICOM slices, or one file of a stack")
-WEB_PAGE = ("a web page, as of a failed download", "download the file again")
+WEB_PAGE = ("a web page, as after a failed download", "download the file again")
 WKW = (
     "a data set of WEBKNOSSOS (wkw)",
     "with d = wkw.Dataset.open(folder of header.wkw), give wavesplat.Volume(d.read(offset, shape)[0].T, spacing=...)",
@@ -231,7 +231,7 @@ def foreign_folder(folder: Path, *, depth: int = 0) -> FileError | None:
 
 
 def _by_names(folder: Path, names: set[str], depth: int) -> tuple[str, str] | None:
-    """Content of a folder and the way to a volume; the folder's own format comes before those in its subfolders."""
+    """Content of a folder and the way to a volume; the folder's own format comes before formats in its subfolders."""
     if "attributes.json" in names:
         return "N5 of another form than BigDataViewer's", OF_N5
     if "header.wkw" in names:

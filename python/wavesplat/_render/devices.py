@@ -48,7 +48,7 @@ def _known(name: str, what: str) -> str:
     if not any(name.lower() in adapter.lower() for adapter in adapters):
         there = ", ".join(adapters) if adapters else "none"
         raise ArgumentError(
-            f"{what} is {described(name)}, and no GPU of this machine has that in its name; its GPUs: {there}; "
+            f"{what} is {described(name)}, and no GPU of this machine has this in its name; its GPUs: {there}; "
             'give part of one of these names, "auto", "cpu" or "gpu"'
         )
     _FOUND.add(name.lower())

@@ -283,7 +283,7 @@ def _turn(turn: float, half: float) -> Iterator[Face]:
 
     tall = tan(meeting + overlap) / cos(wide)
     yield Face(_axes(turn, 0.0), tan(wide), tall, middle, ahead)
-    # Of the polar pictures the corner that is farthest to the side, and that which is farthest down.
+    # Of the polar pictures the corner that is farthest to the side, and the corner that is farthest down.
     pitch = (90.0 + MEETING_DEG) / 2
     for sign in (1, -1):
 

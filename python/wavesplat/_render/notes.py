@@ -76,7 +76,7 @@ def notes_on_slice(rgba: Floats, value: Floats, window: tuple[float, float] | No
     least, most = float(seen.min()), float(seen.max())
     if least == most:
         return [f"every value in the picture is {least:g}"]
-    where = f"the window, {window[0]:g} to {window[1]:g}" if window else "what the transfer function tells apart"
+    where = f"the window, {window[0]:g} to {window[1]:g}" if window else "the range of the transfer function"
     return [f"the values in the picture, {least:g} to {most:g}, lie beyond {where}"]
 
 

@@ -81,9 +81,9 @@ class RenderOptions(FrameOptions, total=False):
         Draw blocks of the picture on the workers of a Dask cluster, each of which opens the files itself; the bytes are
         the same as on this machine. "threads" is Dask's scheduler in this process.
     segments : int, optional
-        Composite rays in segments of so many slices, which are folded from front to back: with `client` a task each,
-        for data in workers' memory. The picture is the same wherever it is drawn, and differs from that in one go by
-        where rays stop, at most 2e-4 of full light. Not with `depth`, and not of a local maximum.
+        Slices of a segment of the rays: segments are folded from front to back, and with `client` each is a task, for
+        data in workers' memory. The picture is the same wherever it is drawn, and differs from the picture without
+        segments by where rays stop, at most 2e-4 of full light. Not with `depth`, and not of a local maximum.
 
     Examples
     --------

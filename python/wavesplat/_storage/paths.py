@@ -153,7 +153,7 @@ class FileName(str):
         return made
 
 
-# Checks of files that a file names: only those in its own folder, unless the user allows others.
+# Checks of files that a file names: only files in its own folder, unless the user allows others.
 #
 # A header that somebody sent may name anything that this user can read, and pictures and meshes are passed on.
 

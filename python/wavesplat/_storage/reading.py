@@ -100,8 +100,8 @@ def mapped(path: Path) -> Iterator[mmap.mmap]:
 def reading(kind: str, path: object, *, other_form: str | None = None) -> Iterator[None]:
     """Turn whatever a library raises while it reads into one line that names the kind and the path.
 
-    other_form : what to do where no error says that bytes are missing or wrong, as of a library that reads some forms
-    of a format alone; None says that the file may be damaged.
+    other_form : what to do where no error says that bytes are missing or wrong, such as of a library that reads some
+    forms of a format alone; None says that the file may be damaged.
     Parsers of damaged files raise nearly anything (KeyError, struct.error, zlib.error, MemoryError, ...), so this is
     the one place that catches everything.
     """

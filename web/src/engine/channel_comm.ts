@@ -44,7 +44,7 @@ export function bytesOf(buffer: unknown): Uint8Array<ArrayBuffer> {
   throw new TypeError("the host gave a buffer of an unknown kind");
 }
 
-/** A channel through a widget's comm. `page` identifies this page's messages among those for other pages of the widget. */
+/** A channel through a widget's comm. `page` distinguishes this page's messages from other pages' of the widget. */
 export function commChannel(model: WidgetModel, page: string): Channel {
   const listeners = new Set<(header: Header, payload: Payload) => void>();
   const states = new Set<(state: ChannelState) => void>();

@@ -172,7 +172,7 @@ async function shapeAt({ engine, welcome }: PartProps, { x, y }: Place, size: Cs
 
 const isMeasuring = (tool: Tool): boolean => tool === "distance" || tool === "angle";
 
-/** Picks the world point seen at a place: the crosshair moves there, or the tool in use gets a point. Tells whether there is one. */
+/** Picks the world point seen at a place: the crosshair moves there, or the tool in use gets a point. False without one. */
 export async function pick(props: PartProps, x: number, y: number, size: CssSize): Promise<boolean> {
   const { engine, store, ui } = props;
   try {

@@ -177,8 +177,8 @@ export function Viewport(props: ViewportProps) {
 }
 
 /**
- * Tells the engine how many pixels the view has, and that it is not shown where it is not. With the layout, since a later
- * effect of a view that has gone by then would hide the one that took its place.
+ * Sends the engine how many pixels the view has, and that it is not shown where it is not. With the layout, since a
+ * later effect of a view that has gone by then would hide the one that took its place.
  */
 function useSize(
   box: { current: HTMLDivElement | null },

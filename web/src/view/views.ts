@@ -1,4 +1,4 @@
-// The views of a page, and the one that keys are for: that in which something was done last.
+// The views of a page, and the one that keys are for: the view in which something was done last.
 
 import type { ViewName } from "../state/state.ts";
 

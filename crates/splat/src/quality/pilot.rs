@@ -154,9 +154,9 @@ fn window_of(all: &Fragments, plane: &BasePlane, window: &BasePlane) -> Fragment
     all.window([first.x as i64, first.y as i64], window.size)
 }
 
-/// Chooses `n` of the items: each with a probability that is proportional to its weight, those with more than the `n`th
-/// part of all weight always, the others evenly spread over the cumulative weight. Returns numbers of items and their
-/// probabilities.
+/// Chooses `n` of the items: each with a probability that is proportional to its weight. Items with more than the `n`th
+/// part of all weight are always chosen, the others evenly spread over the cumulative weight. Returns numbers of items
+/// and their probabilities.
 fn systematic_sample(weights: &[f64], n: usize) -> Vec<(usize, f64)> {
     let mut is_certain = vec![false; weights.len()];
     let rest = loop {

@@ -117,8 +117,8 @@ impl Project {
         Self { operator, levels, value, length, absorbed, places }
     }
 
-    /// Two densities: that which values are dimmed towards, or above which matter absorbs; and that from which on matter
-    /// dims most. 0 where an operator has none. `density` maps sample values.
+    /// Two densities: the one that values are dimmed towards, or above which matter absorbs; and the one from which on
+    /// matter dims most. 0 where an operator has none. `density` maps sample values.
     pub fn levels(operator: Composite, density: impl Fn(f64) -> f32) -> [f32; 2] {
         match operator {
             Composite::DepthShadedMaximum { black, .. } => [density(black), 0.0],

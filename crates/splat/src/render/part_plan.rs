@@ -33,7 +33,8 @@ impl PartPlan {
         Self { part, slices, tables }
     }
 
-    /// Tells rays of a tile, given by its first texel, that entered the volume in another part what they met there.
+    /// Sets what rays have met in another part, for rays that entered the volume there. `first`: first texel of the
+    /// tile.
     pub fn tell_entries(&self, rays: &mut Rays, plane: &BasePlane, first: [usize; 2]) {
         let sign = if plane.family.ascending { 1.0 } else { -1.0 };
         rays.set_outer_entries(|chunk, lane, entered, thickness| {

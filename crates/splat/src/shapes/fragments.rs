@@ -86,7 +86,7 @@ impl Meeting {
         self.normal != Vec3::ZERO
     }
 
-    /// Orders meetings front to back, and those at one place by what they look like: so the order of shapes means
+    /// Orders meetings front to back, and meetings at one place by their looks, so that the order of shapes means
     /// nothing.
     fn order(&self, other: &Self) -> Ordering {
         self.s.total_cmp(&other.s).then_with(|| self.looks().cmp(&other.looks()))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume.series import Series
     from wavesplat._model.volume.stack import Stack
 
-#: Samples along each side of the box that tells whether a lazy volume is a segmentation.
+#: Samples along each side of the box by which a lazy volume is taken for a segmentation.
 SIDE_OF_BOX = 96
 
 

@@ -34,7 +34,7 @@ class MovieOptions:
     """Options of a movie's course and file."""
 
     turn: int | None = option(
-        "FRAMES", f"A turn of so many frames, at one scale, with --times through the times; {TURN} without them."
+        "FRAMES", f"Frames of a turn, at one scale, with --times through the times; {TURN} without them."
     )
     degrees: float = option("DEG", "How far it turns; less than 0: to the right.", default=360.0)
     fps: float | None = option("N", "Frames a second; 30 if not given, and of a film its own.")

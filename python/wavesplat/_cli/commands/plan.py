@@ -14,7 +14,7 @@ from wavesplat._cli.printing import print_result
 
 @dataclass(repr=False)
 class CostOptions:
-    """The picture and the machines of which the cost is told: arguments of `wavesplat.plan`."""
+    """The picture and the machines whose cost is estimated: arguments of `wavesplat.plan`."""
 
     size: Any = picture_size("Pixels of the picture.")
     workers: int = option("N", "Machines, or processes, that draw together.", default=1)

@@ -2,7 +2,7 @@
 
 A field made by `option` says how the option is written; what it means is said there too, or in the documentation of
 an option list of the library, such as `OpenOptions`. A group may have others as parts (`part`). Groups are dataclasses
-that are neither frozen nor printed, since Python makes those in half of the time.
+that are neither frozen nor printed, since Python makes such classes in half of the time.
 """
 
 from __future__ import annotations

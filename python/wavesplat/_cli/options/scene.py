@@ -91,7 +91,7 @@ class AppearanceOptions(GeometryOptions, LabelOptions, WaveletOptions, OperatorO
 
     background: Any = background()
     keep_table: bool = option(
-        help="Draw the table below a patient in a CT, which is else left out where it can be told from the body.",
+        help="Draw the table below a patient in a CT, which is else left out where it can be recognized.",
         default=False,
     )
 

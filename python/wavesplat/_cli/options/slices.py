@@ -37,7 +37,7 @@ class LabelOptions:
     labels: str | None = option(
         f"FILE{REG}",
         "A segmentation of the volume, also DICOM SEG or RTSTRUCT, every label in a colour; or, in quotes, "
-        "'organs/*.nii.gz': masks in a file each, with their names; of OME-Zarr the name of labels in it. reg= as of "
+        "'organs/*.nii.gz': masks in a file each, with their names; of OME-Zarr the name of labels in it. reg= as for "
         "--layer.",
     )
     label_table: Path | None = option(
@@ -63,7 +63,7 @@ class LineOptions:
     isolines: list[str] | None = option(
         ISOLINES,
         "Lines of equal value of a volume, such as isodoses: dose.dcm:20,40,60. COLOR: a colour or a colour map; may "
-        "be repeated. reg= as of --layer.",
+        "be repeated. reg= as for --layer.",
     )
 
 
@@ -75,12 +75,12 @@ class ComparisonOptions:
 
     checkerboard: str | None = option(
         f"FILE{REG}",
-        "A second scan, in squares in turn with INPUT, as after a registration. reg= as of --layer.",
+        "A second scan, in squares in turn with INPUT, as after a registration. reg= as for --layer.",
     )
     tiles: int | None = option("N", "Squares of it along the longer side; 8.")
     difference: str | None = option(
         f"FILE{REG}",
-        "INPUT less a second scan, in blue and red about 0; --clim LOW,HIGH: the ends. reg= as of --layer.",
+        "INPUT less a second scan, in blue and red about 0; --clim LOW,HIGH: the ends. reg= as for --layer.",
     )
 
 

@@ -64,7 +64,7 @@ def largest_body(volume: VolumeLike, threshold: float | None = None, *, opening:
     Returns
     -------
     Volume
-        Type, shape, place and name are the same. Samples outside of the body have the volume's smallest value; those
+        Type, shape, place and name are the same. Samples outside of the body have the volume's smallest value; samples
         inside, air in lungs and bowels included, are as they were. `facts.processing` records it.
 
     Raises

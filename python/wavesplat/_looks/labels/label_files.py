@@ -39,8 +39,8 @@ def opened_segmentation(
 ) -> tuple[Volume, dict[int, Named]]:
     """The numbers in a file, and names of labels.
 
-    segments : of a DICOM segmentation or structure set those that others must not cover, as of `chosen_numbers`; None:
-        all.
+    segments : of a DICOM segmentation or structure set, the segments that others must not cover, from
+        `chosen_numbers`; None: all.
     scan : the grid that the lines of a structure set are filled on; of an OME-Zarr image, whose own labels `path` may
         name.
     """

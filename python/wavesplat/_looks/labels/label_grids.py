@@ -36,7 +36,7 @@ class Placed:
     """Codes on the samples of a scan.
 
     codes : array [z, y, x], of the scan's shape.
-    is_resampled : whether other samples were looked up than those at the same place.
+    is_resampled : whether samples were looked up at other places than their own.
     share_outside : share of the labelled samples that lie outside of the scan; 0 where they were resampled.
     """
 

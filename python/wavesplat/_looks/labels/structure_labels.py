@@ -165,7 +165,7 @@ def labels_of_structures(
 ) -> tuple[Volume, dict[int, Named]]:
     """The numbers of an RTSTRUCT's regions on the samples of a scan, and their names and colours.
 
-    segments : as of `chosen_numbers`; None: all but the outline of the patient.
+    segments : from `chosen_numbers`; None: all but the outline of the patient.
     """
     if scan is None:
         raise ArgumentError(
@@ -218,7 +218,7 @@ def _numbered(masks: Sequence[tuple[Structure, Mask]], scan: Grid, file: Path) -
 def chosen_structures(
     structures: Sequence[Structure], segments: Sequence[str | int] | None, file: Path, *, has_outline: bool = False
 ) -> list[Structure]:
-    """The regions that are wanted, all with numbers of labels; those without lines are named in a warning.
+    """The regions that are wanted, all with numbers of labels; regions without lines are named in a warning.
 
     has_outline : whether the outline of the patient is one of them also where none is named.
     """

@@ -129,7 +129,7 @@ def _converted(samples: NDArray[Any], lps: NDArray[np.float64], metadata: dict[s
 def ras_signs_of(space: str) -> tuple[float, float, float] | None:
     """Signs by which ITK's world of an NRRD file becomes RAS; None where its space is no patient's.
 
-    ITK turns all spaces of patients to LPS, but for those with a time axis, which it leaves as they are.
+    ITK turns all spaces of patients to LPS, but for spaces with a time axis, which it leaves as they are.
     """
     folded = space.strip().lower()
     if folded in SPACES:

@@ -151,7 +151,7 @@ def channel_and_time_axes(array: Any) -> tuple[Any, Any]:
 
 
 def _channel_of(array: Any) -> Channel | None:
-    """The channel by a coordinate that is a name, as of `array.sel(C="GFP")`; None without one."""
+    """The channel by a coordinate that is a name, as after `array.sel(C="GFP")`; None without one."""
     for name in array.coords:
         if str(name).lower() in CHANNELS and array.coords[name].ndim == 0:
             notes = array.coords[name].item()

@@ -33,7 +33,7 @@ NO_ANATOMY = "axes without anatomy"
 def of_nibabel(image: Any) -> Converted:
     """Convert an image in memory, or one whose samples are still in its file."""
     if not hasattr(image, "dataobj") or getattr(image, "affine", None) is None:
-        raise ArgumentError(f"a {type(image).__name__} has no samples on a grid; give an image, as of nibabel.load")
+        raise ArgumentError(f"a {type(image).__name__} has no samples on a grid; give an image from nibabel.load")
     shape = tuple(image.shape)
     if time_axis(image) == 0:
         raise ArgumentError(

@@ -1,7 +1,7 @@
 """Stacks as OME-TIFF and OME-Zarr files, plane after plane or block after block, with their facts.
 
 https://ngff.openmicroscopy.org/0.5. The metadata are ours, since the packages that write them bring a hundred megabytes
-of others. Axes are halved level by level: those with the smallest distances first, so that samples become cubes.
+of others. Axes are halved level by level: axes with the smallest distances first, so that samples become cubes.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ def of_unyt(array: Any) -> Converted:
     guesses: tuple[str, ...] = ()
     if np.ndim(array) == 3:
         guesses = (
-            "axes z, y, x, as of any array: fields of yt's grids are x, y, z, so give the grid itself, or array.T",
+            "axes z, y, x, as in any array: fields of yt's grids are x, y, z, so give the grid itself, or array.T",
         )
     return Converted(np.asarray(array), facts=Facts(value_unit=_unit_of(array), guesses=guesses))
 

@@ -377,7 +377,7 @@ class LazyVolume(Volume):
     # Data for pictures.
 
     def survey(self, level: int, kernel: str, box: Box | None = None) -> Survey:
-        """The survey of a level, by one pass over its samples, or those in a box (`box_of_crop`); made once."""
+        """The survey of a level, by one pass over its samples, or its samples in a box (`box_of_crop`); made once."""
         self.notice_changes()
         found = self._cache.surveys.get((level, kernel, box))
         if found is None:

@@ -26,7 +26,7 @@ ON_FACE = 1e-5
 
 
 def in_samples_of(grid: Grid, boxes: Boxes, first: Grid) -> Boxes:
-    """The boxes for `grid`: those in samples of `first` become boxes in its own samples, those in the world stay."""
+    """The boxes for `grid`: boxes in samples of `first` become boxes in its own samples, boxes in the world stay."""
     if grid is first or all(box.space == "world" for box in boxes):
         return boxes
     index_from_first = np.linalg.inv(grid.world_from_index) @ first.world_from_index
@@ -108,8 +108,8 @@ def _mark(out: NDArray[np.bool_], grid: Grid, box: Crop) -> None:
 def _mark_lone(out: NDArray[np.bool_]) -> None:
     """Mark also samples that have no neighbour left on either side along an axis.
 
-    Nothing is drawn between them and their neighbours, but a sheet that runs through them would show them: those on
-    the volume's face, and those on a face that two boxes share.
+    Nothing is drawn between them and their neighbours, but a sheet that runs through them would show them: samples
+    on the volume's face, and samples on a face that two boxes share.
     """
     for axis in range(3):
         along = np.moveaxis(out, axis, 0)

@@ -264,7 +264,7 @@ class Facts:
             If a value cannot be right.
         """
         if not isinstance(document, Mapping):
-            raise ArgumentError(f"facts: this is {described(document)}; give an object, as of Facts.as_json")
+            raise ArgumentError(f"facts: this is {described(document)}; give an object, as Facts.as_json returns it")
         given = {field.name: document[field.name] for field in fields(cls) if field.name in document}
         for name, value in given.items():
             if name == "channel" and value is not None:

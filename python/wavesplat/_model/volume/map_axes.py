@@ -81,7 +81,7 @@ OF_UNITS = {
     for end in ends
     for plural in ("", "s")
 }
-#: Standard names of coordinates -> axis; of the many vertical ones those in common use.
+#: Standard names of coordinates -> axis; of the many vertical names, the ones in common use.
 OF_STANDARD_NAMES = {
     **dict.fromkeys(("latitude", "grid_latitude", "projection_y_coordinate"), "y"),
     **dict.fromkeys(("longitude", "grid_longitude", "projection_x_coordinate"), "x"),
@@ -146,7 +146,7 @@ def spatial_axes(axes: list[tuple[Any, str]], sizes: Any) -> list[Any]:
 
 
 def is_of_world(array: Any, spatial: list[Any]) -> bool:
-    """Whether names and attributes of the axes z, y, x say that z is up and y north, as of maps, the sea or the air.
+    """Whether names and attributes of the axes z, y, x say that z is up and y north, as on maps, in the sea or the air.
 
     Rows of images grow downwards, and nothing is said of theirs but a name and a unit as small as they are.
     What xarray has opened is of such a file: it reads the formats of models, and keeps how the values are stored there.

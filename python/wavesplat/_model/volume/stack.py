@@ -134,8 +134,8 @@ def stacked(
         check_alike(grid, grids[0])
         if len(of_times) != len(times):
             raise ArgumentError(
-                f"channel {grid.name!r} has {len(of_times)} time points, the first one {len(times)}; save those with "
-                "one number of times together"
+                f"channel {grid.name!r} has {len(of_times)} time points, the first one {len(times)}; save "
+                "channels with one number of times together"
             )
     dtype = np.result_type(*(first.dtype for first in firsts))
     if channels is None:

@@ -62,7 +62,7 @@ class Volume(Grid):
     unit : str, optional
         The world's unit of length: "mm", "um", "nm", "m", ...; None is unknown. Scale bars show it.
     anatomical : bool, optional
-        Whether the world's axes are a patient's (RAS), as of an affine that nibabel gives; only then slices have
+        Whether the world's axes are a patient's (RAS), as with an affine from nibabel; only then slices have
         letters. None is what `facts` say, or no.
     name : str, optional
         Name in messages; None is the object's own name, or "volume".

@@ -234,8 +234,8 @@ class VolumePart:
     def overview(self) -> Overview:
         """Range, bounds and thinned samples of this part, to be sent to all processes, by `allgather` of MPI, say.
 
-        A part's share of at most 2 million samples for looks, of those for light (all, of volumes up to 288 samples
-        long; else a part of them), and of bounds. It can be pickled.
+        A part's share of at most 2 million samples for looks, of the samples for light (all, of volumes up to 288
+        samples long; else a part of them), and of bounds. It can be pickled.
         """
         axes = tuple(self._matrix[:3, :3].ravel().tolist())
         step = _light_step(self.shape, axes)

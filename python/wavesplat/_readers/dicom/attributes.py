@@ -158,7 +158,7 @@ TAGS = frozenset(
 )
 #: Tags of nuclear medicine whose values have a number for each frame of the file.
 VECTORS = (0x00540010, 0x00540020, 0x00540030, 0x00540050, 0x00540060, 0x00540070, 0x00540090, 0x00540100)
-#: Significant digits of numbers, so that those which were rounded differently are equal.
+#: Significant digits of numbers, so that numbers which were rounded differently are equal.
 N_DIGITS = 6
 #: GE adds multiples of this to b-values.
 GE_B_VALUE = 100_000

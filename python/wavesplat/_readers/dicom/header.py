@@ -119,7 +119,7 @@ def content_by(modality: str, sop_class: str, *, is_directory: bool) -> Content 
 
 # Headers of DICOM files, by pydicom: what each frame is, where it lies, and how its stored numbers become values.
 
-#: Functional groups that are read: those with attributes, and of pixels, values, positions, orientations and segments.
+#: Functional groups that are read: groups with attributes, and of pixels, values, positions, orientations and segments.
 GROUPS = SEQUENCES | {
     *(0x0062000A, 0x00289110, 0x00289145, 0x00209113, 0x00209116, 0x0020930E, 0x0020930F, 0x00409096),
 }
@@ -431,7 +431,7 @@ def _factor(groups: Sequence[Mapping[int, Any]], dataset: Dataset, tag: int, abs
 def _placed(
     groups: Sequence[Mapping[int, Any]], dataset: Dataset
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[float, float]]:
-    """Position and orientation in the patient; else those in the volume of an ultrasound probe; else of a detector.
+    """Position and orientation in the patient; else in the volume of an ultrasound probe; else of a detector.
 
     The directions of rows and columns are made unit vectors, since distances are between pixels; the last two numbers
     are their lengths in the file.

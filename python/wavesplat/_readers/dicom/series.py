@@ -121,7 +121,7 @@ def mended(headers: Sequence[Header], request: Request) -> tuple[list[Frame], li
         found = f"slope {wrong[0].slope:g} and intercept {wrong[0].intercept:g}"
         if len(wrong) < len(frames):
             raise FileError(
-                f"values of {_counted(wrong)} cannot be told: {wrong[0].name} has {found} (RescaleSlope, "
+                f"values of {_counted(wrong)} are unknown: {wrong[0].name} has {found} (RescaleSlope, "
                 f"RescaleIntercept), others have usable ones; move these files away, or export them again: "
                 f"{request.path}"
             )

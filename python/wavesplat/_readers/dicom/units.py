@@ -152,7 +152,7 @@ def _by_modality(dataset: Any, rescaled: Sequence[Any], modality: str) -> ValueU
     if word.upper() in OF_RESCALED:
         unit = OF_RESCALED[word.upper()]
         is_guess = not unit and modality == "CT"
-        note = f"values in HU, as of every CT: RescaleType (0028,1054) is {word}, and names no unit" if is_guess else ""
+        note = f"values in HU, as in every CT: RescaleType (0028,1054) is {word}, and names no unit" if is_guess else ""
         return ValueUnit(unit or usual, note)
     # Makers have units of their own here, and DICOM permits it.
     return ValueUnit(_shown(word) or usual, "" if not word or word == _shown(word) else _unknown(word, RESCALED))
@@ -354,7 +354,7 @@ def _time_of_decay(tracers: Sequence[Tracer], path: object) -> tuple[float, tupl
 def _scan_time(tracers: Sequence[Tracer]) -> tuple[float, tuple[str, ...]]:
     """The time to which a series was corrected, and a sentence where the header does not say it itself.
 
-    The time of the series, unless that is after its first frame, as of series that were processed later. Then GE's own
+    The time of the series, unless that is after its first frame, as in series that were processed later. Then GE's own
     time; else the start of a frame less its FrameReferenceTime, which is the time of its mean count rate.
     """
     first = min(tracers, key=lambda one: (math.isnan(one.acquired), one.acquired))

@@ -1,4 +1,4 @@
-"""Images of several levels in HDF5 files, as of Imaris and BigDataViewer: a dataset [z, y, x] for each level."""
+"""Images of several levels in HDF5 files, by Imaris and BigDataViewer: a dataset [z, y, x] for each level."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 # lead from the numbers of samples (x, y, z) to the world.
 # Source: Pietzsch et al., "BigDataViewer" (2015), https://imagej.net/plugins/bdv; the library spim_data.
 
-#: Largest XML that is read, in bytes; those with thousands of views have some million.
+#: Largest XML that is read, in bytes; files with thousands of views have some million.
 MAX_XML_BYTES = 1 << 26
 #: Largest number of time points.
 MAX_TIMES = 1 << 20

@@ -39,7 +39,7 @@ NAMES = {
 AFNI_TIME_UNITS = {77001: "ms", 77002: "s"}
 #: The axis of vectors in MINC.
 VECTORS = "vector_dimension"
-#: Compressed bytes of MINC 2 and of AFNI unpack to this many times as many at most.
+#: Largest ratio of unpacked to compressed bytes in files of MINC 2 and AFNI.
 MAX_RATIO = size_checks.ANY_RATIO
 
 

@@ -130,7 +130,7 @@ POINTS_OF = {1: 1, 3: 2, 5: 3, 8: 4, 9: 4, 10: 4, 11: 8, 12: 8, 13: 6, 14: 5, 15
     35: 4,
     37: 19,
 }
-#: Types of as many points as they like.
+#: Types of cells with any number of points.
 ANY_NUMBER = (0, 2, 4, 6, 7, 36, 41, 42, *range(68, 82))
 #: Types of cells that fill space: straight, quadratic, of any number of faces, and of higher orders.
 SOLID = (*range(10, 17), *range(24, 28), 29, *range(31, 34), 37, 41, 42, *range(64, 68), *range(71, 75), *range(78, 82))

@@ -16,7 +16,7 @@ from wavesplat._readers.vtk.arrays import described_grid, fills_space, world_fro
 from wavesplat._storage import size_checks
 from wavesplat.errors import FileError
 
-# Points and cells that VTK's files hide, as of bodies in a flow and of cells that a finer grid covers.
+# Points and cells that VTK's files hide, such as bodies in a flow and cells that a finer grid covers.
 #
 # An array of bytes says it of each: https://vtk.org/doc/nightly/html/classvtkDataSetAttributes.html, "CellGhostTypes".
 # Points and cells that are only copies of another block's are shown.

@@ -76,7 +76,7 @@ def _listed(request: Request) -> _Listed:
         raise FileError(
             f"the list names several files at the time {min(t for t in times if times.count(t) > 1):g}, parts of one "
             "grid; for each time, with r = pyvista.get_reader(path), r.set_active_time_value(t), save "
-            f"r.read().combine() as .vtu, and list those in a .pvd: {request.path}"
+            f"r.read().combine() as .vtu, and list these files in a .pvd: {request.path}"
         )
     found.sort()
     return _Listed(tuple(name for _, name in found), tuple(time for time, _ in found))

@@ -130,7 +130,7 @@ def _token_of_url(request: Request, inner: str) -> str | None:
 
 
 def _named(array: Any, request: Request) -> NamedVolume | None:
-    """The volume of an array whose axes have names, as of xarray, with the arrays in its group as coordinates."""
+    """The volume of an array whose axes have names, as xarray writes it, with arrays in its group as coordinates."""
 
     def read(own: Any) -> NDArray[Any]:
         metadata.check_numbers(own, request.safe_path)

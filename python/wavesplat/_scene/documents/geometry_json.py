@@ -72,7 +72,7 @@ def _fields(shape: Shape, strict: bool) -> dict[str, Any]:
     if strict:
         raise ArgumentError(
             f"{shape._title} has {n} numbers and comes from no file, and a document holds at most {MAX_INLINE}; "
-            "write it to a file (a surface as .ply, points as .csv), and open that with wavesplat.open_geometry"
+            "write it to a file (a surface as .ply, points as .csv), and open the file with wavesplat.open_geometry"
         )
     return {"file": {"path": None}, **({} if shape.name is None else {"name": shape.name})}
 
@@ -101,7 +101,7 @@ def _is_default(value: Any, default: Any) -> bool:
 
 
 def _is_small(value: Any) -> bool:
-    """Whether a value is one for all of a shape; those for each of its parts come from its file."""
+    """Whether a value is one for all of a shape; values for each of its parts come from its file."""
     return not isinstance(value, np.ndarray | Chains)
 
 

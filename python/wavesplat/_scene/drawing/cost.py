@@ -459,7 +459,7 @@ def _memory_beside(level: Level, budget: int) -> int:
 
 
 def _bounds_bytes(shape: Sequence[int], side: int) -> int:
-    """Bytes of the bounds of bricks of so many cells along a side."""
+    """Bytes of the bounds of bricks. `side`: cells along a side of a brick."""
     return 8 * math.prod(-(-(n - 1) // side) for n in shape)
 
 

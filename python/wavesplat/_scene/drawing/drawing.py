@@ -129,7 +129,7 @@ def _seen_by(eyes: Eyes, frame: DrawnFrame, layers: Sequence[DrawnLayer], functi
         return drawn(frame, layers, functions)
     if eyes.panorama and frame.composite in BY_DEPTH:
         raise ArgumentError(
-            f"{frame.composite} tells depths along one line of sight, and a panorama has all: take maximum, or leave "
+            f"{frame.composite} shows depths along one line of sight, and a panorama has all: take maximum, or leave "
             "out panorama"
         )
     check_picture_memory(frame.size, PIXEL_BYTES)

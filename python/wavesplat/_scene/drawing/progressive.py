@@ -128,7 +128,7 @@ def coarser_scenes(scene: Scene, size: tuple[int, int], camera: Camera) -> list[
 
 
 def _coarser(layer: Layer, left_out: int) -> Layer:
-    """The layer, and the field that colours it, without so many of the finest levels of lazy volumes."""
+    """The layer, and the field that colours it, without the `left_out` finest levels of lazy volumes."""
     volume, field = layer.volume, layer.color_from
     if isinstance(volume, LazyVolume) and volume.level is None:
         volume = volume.at_level(min(left_out, len(volume.levels) - 1))

@@ -1,4 +1,4 @@
-"""Slices that stand in space, and those on the faces of cuts, as pictures on parallelograms."""
+"""Slices that stand in space, and slices on the faces of cuts, as pictures on parallelograms."""
 
 from __future__ import annotations
 
@@ -200,12 +200,11 @@ def _is_inside(plane: ClipPlane, volume: Grid) -> bool:
     return bool(away.min() < -slack and away.max() > slack)
 
 
-# Slices that stand in space, and those on the faces of cuts, as pictures on parallelograms.
+# Slices that stand in space, and slices on the faces of cuts, as pictures on parallelograms.
 
 #: Longest side of the picture on a card, pixels; a picture shows no finer samples.
 MAX_SIDE_PX = 2048
-#: Pixels of the longer side of a cut's face, at least, but no more than so many for each sample: its edges are stairs
-#: of pixels.
+#: Pixels of the longer side of a cut's face, at least, and most pixels for each sample: its edges are stairs of pixels.
 MIN_SIDE_OF_CUT_PX, MAX_PX_OF_SAMPLE = 1024, 8
 #: Pixels of the longer side of a slice that cameras are fitted to.
 COARSE_PX = 96

@@ -375,7 +375,7 @@ def _associated(background: str | Sequence[float] | None) -> Floats:
 
 
 def curves_over(scene: Scene, layer: Layer, automatic: Iterator[str]) -> TransferFunction:
-    """The colours of a layer that lies over another one; `automatic`: colour maps for those without a look."""
+    """The colours of a layer that lies over another one; `automatic`: colour maps for layers without a look."""
     volume = layer.looked_at
     name = layer.look if isinstance(layer.look, str) else None
     has_look = not is_automatic(layer)

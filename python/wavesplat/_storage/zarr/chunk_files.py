@@ -40,7 +40,7 @@ WIDEST, INNER_BYTES, MARGIN_BYTES = 8, 256, 1 << 16
 
 
 def check_chunks(array: Any, picked: Sequence[int | slice], path: object) -> None:
-    """Raise a `FileError` that names the first chunk, of those with picked samples, that is cut short or no file.
+    """Raise a `FileError` that names the first chunk with picked samples that is cut short or no file.
 
     Of stores that are no folders nothing is checked.
     """

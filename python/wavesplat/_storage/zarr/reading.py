@@ -319,7 +319,7 @@ class ZarrReader:
             yield tuple(part), tuple(place for _, _, place in pieces if place is not None)
 
     def read_into(self, index: Sequence[Part], out: NDArray[Any]) -> None:
-        """Read the samples at an index into an array of zeros, of the same axes but those with a whole number.
+        """Read the samples at an index into an array of zeros, of the same axes but the axes with a whole number.
 
         Where chunks of zeros are not stored, nothing is written, so that their memory is not even touched.
 

@@ -76,7 +76,7 @@ def values_of_labels(
 
 # Statistics of what is measured: values in a region drawn on a slice, and of every label of a segmentation.
 
-#: Pixels along the longer side of a region; values between samples are read at so many.
+#: Pixels along the longer side of a region, at which values between samples are read.
 REGION_PX = 256
 
 

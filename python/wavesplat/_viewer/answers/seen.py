@@ -37,7 +37,7 @@ GAP, GAP_COLOR = 2, 0.25
 #: Colour of measures, as in the page; width of their lines and radius of their points, in sizes of the font.
 CYAN: Color = (0x7D / 255, 0xF0 / 255, 1.0)
 LINE, POINT = 0.11, 0.22
-#: A measure is drawn on a slice that its points lie in, up to so many pixels.
+#: Largest distance of points from a slice, in pixels, at which their measure is drawn on it.
 NEAR_PX = 1.5
 #: Endings of files whose last suffix says too little.
 TWO_SUFFIXES = (".nii.gz", ".ome.zarr", ".ome.tif", ".ome.tiff")

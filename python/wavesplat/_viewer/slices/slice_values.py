@@ -39,7 +39,7 @@ NOTHING, MAX_CODE = 0xFFFF, 0xFFFE
 class SliceValues:
     """The values of a slice for the page.
 
-    size : width and height, pixels. report : where the pixels lie, as of `wavesplat.slice`.
+    size : width and height, pixels. report : where the pixels lie, from `wavesplat.slice`.
     header : how values become colours: `SliceValuesHeader` in `web/src/engine/slice_values.ts`.
     payload : planes of 16 bits, in the order of the header's layers, then of the labels.
     """

@@ -1,4 +1,5 @@
-// Small pictures of presets, drawn one at a time, those on the screen first, and only while nothing else is going on.
+// Small pictures of presets, drawn one at a time, pictures on the screen first, and only while nothing else is going
+// on.
 
 import type { Engine, Problem } from "../../engine/engine.ts";
 

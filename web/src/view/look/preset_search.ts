@@ -1,6 +1,6 @@
 // The search for presets.
 
-/** Presets that contain all words: those with all in the name first, and otherwise in the order given. */
+/** Presets that contain all words: presets with all in the name first, and otherwise in the order given. */
 export function matching<T extends { readonly name: string; readonly title?: string; readonly description: string }>(
   presets: readonly T[],
   search: string,

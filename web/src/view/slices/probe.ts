@@ -9,7 +9,7 @@ import type { SlicePainter } from "./slice_painter.ts";
 /** Values are shown in steps of about a tenth of this part of the volume's range. */
 const PARTS = 64;
 
-/** Tells the values, the label and the place under the pointer. `on`: the newest frame, null outside of the slice. */
+/** Shows the values, the label and the place under the pointer. `on`: the newest frame, null outside of the slice. */
 export function probe({ ui, welcome }: PartProps, painter: SlicePainter, on: SliceFrame | null, place: { x: number; y: number } | null): void {
   const shown = painter.frame;
   const slice = shown?.slice;

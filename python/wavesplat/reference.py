@@ -1,4 +1,4 @@
-"""Slow, literal renderers in double precision: what the fast one is measured against."""
+"""Slow, literal renderers in double precision, against which the fast one is measured."""
 
 from __future__ import annotations
 

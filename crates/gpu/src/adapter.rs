@@ -111,7 +111,7 @@ pub(crate) fn choose(choice: &Choice) -> GpuResult<(Instance, Adapter, wgpu::Ada
     let place = adapters.iter().position(|(adapter, _)| is_whole(adapter));
     let place = place.or_else(|| adapters.iter().position(|(adapter, _)| is_wanted(adapter)));
     match place.and_then(|place| adapters.into_iter().nth(place)) {
-        Some((told, adapter)) => Ok((instance, told, adapter)),
+        Some((facts, adapter)) => Ok((instance, facts, adapter)),
         None => Err(Failure::NoAdapter(match choice {
             Choice::Best => format!("no GPU was found: {there_are}"),
             Choice::Named(part) => format!("no GPU has {part:?} in its name: {there_are}"),

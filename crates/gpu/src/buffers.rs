@@ -62,13 +62,13 @@ pub(crate) fn read_buffer(device: &OpenDevice, from: &Buffer, by: &Buffer, n_byt
     let mut encoder = device.device.create_command_encoder(&CommandEncoderDescriptor::default());
     encoder.copy_buffer_to_buffer(from, 0, by, 0, Some(n_bytes as u64));
     device.queue.submit([encoder.finish()]);
-    let (tell, told) = std::sync::mpsc::channel();
+    let (sender, receiver) = std::sync::mpsc::channel();
     by.map_async(MapMode::Read, ..n_bytes as u64, move |mapped| {
-        let _ = tell.send(mapped);
+        let _ = sender.send(mapped);
     });
     device.wait()?;
     // The callback may run on another thread that waits for the device.
-    match told.recv_timeout(Duration::from_secs(10)) {
+    match receiver.recv_timeout(Duration::from_secs(10)) {
         Ok(Ok(())) => {}
         Ok(Err(error)) => return Err(Failure::Refused(error.to_string())),
         Err(_) => return Err(Failure::Lost("what it drew never came back".to_owned())),

@@ -24,7 +24,7 @@ pub(crate) struct OpenDevice {
 
 impl OpenDevice {
     pub fn open(choice: &Choice) -> GpuResult<Self> {
-        let (instance, told, adapter) = choose(choice)?;
+        let (instance, facts, adapter) = choose(choice)?;
         let limits = adapter.limits();
         let optional = Features::TIMESTAMP_QUERY;
         let descriptor = DeviceDescriptor {
@@ -35,7 +35,7 @@ impl OpenDevice {
         };
         let opened = pollster::block_on(adapter.request_device(&descriptor));
         let (device, queue) =
-            opened.map_err(|error| Failure::Refused(format!("{} cannot be opened: {error}", told.name)))?;
+            opened.map_err(|error| Failure::Refused(format!("{} cannot be opened: {error}", facts.name)))?;
         let lost = Arc::new(Mutex::new(None));
         let (by_loss, by_error) = (lost.clone(), lost.clone());
         let note = |lost: &Mutex<Option<String>>, why: String| {
@@ -45,7 +45,7 @@ impl OpenDevice {
         // An error outside all scopes marks the device as lost; by default it would end the program.
         device.on_uncaptured_error(Arc::new(move |error| note(&by_error, error.to_string())));
         let has_timestamps = device.features().contains(optional);
-        Ok(Self { device, queue, adapter: told, limits, has_timestamps, lost, _instance: instance })
+        Ok(Self { device, queue, adapter: facts, limits, has_timestamps, lost, _instance: instance })
     }
 
     /// Reason of the loss, if the device is lost.

@@ -93,11 +93,11 @@ impl FrameJob<'_> {
         let mut pictures = Vec::new();
         for (k, family) in self.plan.families.iter().enumerate() {
             let arrays = BasePlaneArrays::new(self.plan, k, self.slices);
-            let told = |done: f32| {
+            let report = |done: f32| {
                 let stopped = callback.progress((k as f32 + done) / n).is_break();
                 if stopped { Err(Failure::Cancelled) } else { Ok(()) }
             };
-            pictures.push(self.draw(family, &arrays, work, counts, &told)?);
+            pictures.push(self.draw(family, &arrays, work, counts, &report)?);
         }
         Ok(pictures)
     }
@@ -108,7 +108,7 @@ impl FrameJob<'_> {
         arrays: &BasePlaneArrays,
         work: &mut GpuCache,
         counts: &mut FrameCounts,
-        told: &dyn Fn(f32) -> GpuResult<()>,
+        report: &dyn Fn(f32) -> GpuResult<()>,
     ) -> GpuResult<BasePicture> {
         let begun = Instant::now();
         let mut numbers = Numbers::new(self.plan, family, arrays, self.fields);
@@ -130,7 +130,7 @@ impl FrameJob<'_> {
         let mut n_done = 0;
         while let Some(band) = bands.pop() {
             let n_all = n_done + bands.len() + 1;
-            let of_band = |done: f32| told((n_done as f32 + done) / n_all as f32);
+            let of_band = |done: f32| report((n_done as f32 + done) / n_all as f32);
             let Some(ranges) = self.ranges(family, arrays, &band) else {
                 // Half as many blocks reach fewer pages.
                 let Some((first, second)) = band.halves() else {
@@ -186,7 +186,7 @@ impl FrameJob<'_> {
         ranges: &[PagedRange],
         work: &mut GpuCache,
         counts: &mut FrameCounts,
-        told: &dyn Fn(f32) -> GpuResult<()>,
+        report: &dyn Fn(f32) -> GpuResult<()>,
     ) -> GpuResult<()> {
         let n_blocks = band.blocks.len();
         let most_groups = self.device.limits.max_compute_workgroups_per_dimension as usize;
@@ -236,7 +236,7 @@ impl FrameJob<'_> {
             counts.longest_seconds = counts.longest_seconds.max(seconds);
             most = (to - from).saturating_mul(MAX_GROWTH);
             rate = ((to - from) * n_per_slab) as f64 / seconds;
-            told((to - first) as f32 / (end - first) as f32)?;
+            report((to - first) as f32 / (end - first) as f32)?;
             from = to;
         }
         Ok(())

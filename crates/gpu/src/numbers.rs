@@ -154,8 +154,8 @@ impl Numbers {
         let n_groups = geometry.plane.size.map(|n| n.div_ceil(LANES));
         let [last_u, last_v, last_w] = [0, 1, 2].map(|a| geometry.axes[a].last());
         let per_sheet = 2 * (n_groups[0] + n_groups[1]) + 4;
-        let mut told = vec![0_u32; per_sheet * sheets.len()];
-        parallel::for_each_chunk(&mut told, per_sheet, |k, words| {
+        let mut all_words = vec![0_u32; per_sheet * sheets.len()];
+        parallel::for_each_chunk(&mut all_words, per_sheet, |k, words| {
             let ([(u, du), (v, dv)], own_w) = geometry.sheet(sheets[k]);
             let groups = [([u, du], n_groups[0], last_u), ([v, dv], n_groups[1], last_v)];
             let mut words = words.iter_mut();
@@ -181,7 +181,7 @@ impl Numbers {
         let first = self.words.len();
         let (n_u, n_v) = (2 * n_groups[0], 2 * n_groups[1]);
         for part in [0..n_u, n_u..n_u + n_v, n_u + n_v..per_sheet] {
-            for sheet in told.chunks_exact(per_sheet) {
+            for sheet in all_words.chunks_exact(per_sheet) {
                 self.words.extend_from_slice(&sheet[part.clone()]);
             }
         }

@@ -99,7 +99,7 @@ impl PySurvey {
 
     /// Adds the coefficients or filled samples in the part `inner` of a box that begins at `lo`, of a volume with these
     /// statistics.
-    #[expect(clippy::too_many_arguments, reason = "a box, and what it is of")]
+    #[expect(clippy::too_many_arguments, reason = "a box, and the volume around it")]
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
     fn add_prepared(
         &self,

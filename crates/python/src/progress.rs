@@ -20,7 +20,7 @@ pub(crate) struct PyProgress {
 }
 
 struct ProgressState {
-    told: Option<Instant>,
+    reported_at: Option<Instant>,
     checked_at: Instant,
     error: Option<PyErr>,
 }
@@ -34,7 +34,7 @@ const SIGNALS_EVERY: Duration = Duration::from_millis(100);
 
 impl PyProgress {
     pub(crate) fn new(callback: Option<Py<PyAny>>) -> Self {
-        let state = Mutex::new(ProgressState { told: None, checked_at: Instant::now(), error: None });
+        let state = Mutex::new(ProgressState { reported_at: None, checked_at: Instant::now(), error: None });
         Self { callback, state, caller: thread::current().id(), interrupted: AtomicBool::new(false) }
     }
 
@@ -65,10 +65,10 @@ impl PyProgress {
     /// Calls the Python function. False stops, any other result continues; an exception stops and reaches the caller.
     fn ask(&self, callback: &Py<PyAny>, fraction: f32) -> ControlFlow<()> {
         let Ok(mut state) = self.state.try_lock() else { return ControlFlow::Continue(()) };
-        if fraction < 1.0 && state.told.is_some_and(|told| told.elapsed() < PROGRESS_EVERY) {
+        if fraction < 1.0 && state.reported_at.is_some_and(|at| at.elapsed() < PROGRESS_EVERY) {
             return ControlFlow::Continue(());
         }
-        state.told = Some(Instant::now());
+        state.reported_at = Some(Instant::now());
         let answer = Python::attach(|py| {
             let answer = callback.call1(py, (fraction,))?;
             PyResult::Ok(answer.is_none(py) || answer.extract::<bool>(py).unwrap_or(true))

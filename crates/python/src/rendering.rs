@@ -72,20 +72,20 @@ pub struct PyMeasured {
 }
 
 impl From<&PyMeasured> for Measured {
-    fn from(told: &PyMeasured) -> Self {
-        let error = |k: usize| told.errors.get(k).copied().flatten();
+    fn from(measured: &PyMeasured) -> Self {
+        let error = |k: usize| measured.errors.get(k).copied().flatten();
         Self {
             errors: std::array::from_fn(|k| {
                 error(k).map(|[mean_square, deviation]| RungError { mean_square, deviation })
             }),
             framing: Framing {
-                pixel_in_samples: told.pixel_in_samples,
-                covered: told.covered,
-                direction: told.direction,
-                aside: told.aside,
-                cut: told.cut,
+                pixel_in_samples: measured.pixel_in_samples,
+                covered: measured.covered,
+                direction: measured.direction,
+                aside: measured.aside,
+                cut: measured.cut,
             },
-            is_smooth: told.is_smooth,
+            is_smooth: measured.is_smooth,
         }
     }
 }

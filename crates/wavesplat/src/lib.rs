@@ -37,7 +37,7 @@
 //! # }
 //! ```
 //!
-//! # What else there is
+//! # More types
 //!
 //! - [`document::CameraDocument`]: cameras that Python or the viewer saved as JSON.
 //! - [`view::InView`]: cameras on an orbit, or of a named view, that show all of a volume; [`view::Pose`]: their turns.

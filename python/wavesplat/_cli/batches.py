@@ -125,8 +125,8 @@ class Batch:
             found = [max(pair, key=lambda one: one[0]) for pair in zip(found, ours, strict=False)]
         return tuple(look for _, look in found)
 
-    def add(self, input: str, told: str | None, picture: Picture, first: Layer) -> None:
-        """Record the windows of a picture and put it on the sheet. `told`: its time and channel, if it has several."""
+    def add(self, input: str, label: str | None, picture: Picture, first: Layer) -> None:
+        """Record the windows of a picture and put it on the sheet. `label`: its time and channel, if it has several."""
         self._windows.setdefault(input, _windows_of(picture))
         if self.has_sheet:
             from wavesplat._render.arguments import check_picture_memory
@@ -137,7 +137,7 @@ class Batch:
             name, well = self._name_of(input, first)
             if well is not None:
                 self._wells.append(well)
-            alone = [told] if len(self.inputs) == 1 and told and not self.captions else [name, told]
+            alone = [label] if len(self.inputs) == 1 and label and not self.captions else [name, label]
             self._panels.append((", ".join(text for text in alone if text), picture.rgba))
 
     def finish(self, *, as_json: bool) -> None:

@@ -97,15 +97,15 @@ def _described(volume: Volume, *, of_coarsest: bool) -> dict[str, Any]:
     level = _coarsest(volume) if of_coarsest and isinstance(volume, LazyVolume) else None
     shown = volume.read(level=level) if level is not None and isinstance(volume, LazyVolume) else volume
     if isinstance(shown, LazyVolume) and not shown.is_looked_through:
-        told: dict[str, Any] = {"value_range": None, "percentiles": {}, "n_nonfinite": None, "is_from_cache": False}
+        facts: dict[str, Any] = {"value_range": None, "percentiles": {}, "n_nonfinite": None, "is_from_cache": False}
     else:
-        told = {"value_range": list(shown.value_range), "percentiles": _percentiles(shown)}
-        told["value_unit"] = unit_of_values(shown) or None
-        told["n_nonfinite"] = shown.n_nonfinite
-        told["is_from_cache"] = isinstance(shown, LazyVolume) and shown.is_from_cache
-    told["level_of_values"] = level or None  # 0 has all samples
+        facts = {"value_range": list(shown.value_range), "percentiles": _percentiles(shown)}
+        facts["value_unit"] = unit_of_values(shown) or None
+        facts["n_nonfinite"] = shown.n_nonfinite
+        facts["is_from_cache"] = isinstance(shown, LazyVolume) and shown.is_from_cache
+    facts["level_of_values"] = level or None  # 0 has all samples
     place = _place(volume)
-    if told["value_range"] is not None and (offset := offset_of(shown)):
+    if facts["value_range"] is not None and (offset := offset_of(shown)):
         what = f"{offset:g} seems to be added to the Hounsfield units of a CT"
         text = f"{what}, by the values; windows and presets move with it"
         place["guesses"] = [*place["guesses"], text]
@@ -113,7 +113,7 @@ def _described(volume: Volume, *, of_coarsest: bool) -> dict[str, Any]:
         **place,
         "dtype": str(volume.dtype),
         "n_bytes": math.prod(shape_in_file(volume)) * volume.dtype.itemsize,
-        **told,
+        **facts,
     }
 
 

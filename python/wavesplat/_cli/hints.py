@@ -1,4 +1,4 @@
-"""Hints for unknown commands and options: what does what the name asks for."""
+"""Hints for unknown commands and options: the known ones that do the same."""
 
 from __future__ import annotations
 

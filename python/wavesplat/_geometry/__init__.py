@@ -1,1 +1,1 @@
-"""Surfaces, lines, points, standing slices and frames: what stands in space with the volumes of a scene."""
+"""Shapes that stand in space with the volumes of a scene: surfaces, lines, points, slices and frames."""

@@ -81,7 +81,7 @@ def changed(
 
 
 def _name_of_changed(look: Look) -> str:
-    """The name of a look after a change; of an automatic one what slices and backgrounds must know of it."""
+    """The name of a look after a change; an automatic one gets the name that slices and backgrounds go by."""
     # Greys of projections are inverted on white; light of channels is added on slices.
     if look.name != "auto" or look.composite in histogram.PROJECTIONS:
         return look.name

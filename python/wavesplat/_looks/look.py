@@ -118,7 +118,7 @@ class Look:
     @classmethod
     @takes_its_types
     def preset(cls, name: str, volume: VolumeLike | None = None) -> Look:
-        """A look by name: what usually looks good on that kind of data.
+        """A look by name, which usually looks good on one kind of data.
 
         Parameters
         ----------

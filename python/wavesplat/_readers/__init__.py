@@ -1,1 +1,1 @@
-"""Readers: a folder for what belongs together, a module per family of formats; `opening` chooses one."""
+"""Readers: a folder for formats that belong together, a module per family; `opening` chooses one."""

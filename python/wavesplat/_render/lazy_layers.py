@@ -129,7 +129,7 @@ class LazyLayers:
 
     @property
     def memory(self) -> int:
-        """Bytes for samples and bounds: what the volume with the least allows."""
+        """Bytes for samples and bounds: the least that any of the volumes allows."""
         return min(volume.memory for volume in self.volumes)
 
     def streamed(self, spec: FrameSpec) -> tuple[_native.Stream, ReadCounts]:

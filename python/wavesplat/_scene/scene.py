@@ -1,4 +1,4 @@
-"""A scene: what is shown, and what is kept of it between pictures."""
+"""Scenes, and the cache that a scene keeps between pictures."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 //! Need of a transfer function for pre-integration: whether opacity or colour can change by a visible amount from sheet
-//! to sheet, or sheets can miss a visible amount of what is between them.
+//! to sheet, or sheets can miss a visible amount of the matter between them.
 
 use wavesplat_core::{Grid, TransferFunction};
 
@@ -40,8 +40,8 @@ pub(super) fn varies(classifier: &Classifier, slab_thickness: f64) -> bool {
     classifier.variation(slab_thickness) >= STEEP
 }
 
-/// Whether sheets can miss, or exaggerate, a visible amount of what is between them. One sheet per slice is assumed, as
-/// at quality draft, so that the answer, and the way a picture is drawn, is the same at every quality.
+/// Whether sheets can miss, or exaggerate, a visible amount of the matter between them. One sheet per slice is assumed,
+/// as at quality draft, so that the answer, and the way a picture is drawn, is the same at every quality.
 pub(super) fn has_thin_parts(classifier: &Classifier, grid: &Grid, tf: &TransferFunction) -> bool {
     let of_one_slice = 2.0 * slab_of_the_finest(grid, tf);
     // The function of a coarser level is noisy: its little tops mean nothing.
@@ -56,8 +56,9 @@ pub(super) fn slab_of_the_finest(grid: &Grid, tf: &TransferFunction) -> f64 {
     0.5 * grid.default_opacity_unit() / tf.opacity_unit().unwrap_or(grid.default_opacity_unit())
 }
 
-/// Largest opacity that is missed, or is too much, where a slab gets the mean of what is on the sheets before and
-/// behind it in place of what is between them: of one slab, or of all slabs from the least density to the greatest.
+/// Largest opacity that is missed, or is too much, where a slab gets the mean of the opacities on the sheets before
+/// and behind it in place of the matter between them: of one slab, or of all slabs from the least density to the
+/// greatest.
 /// `slab_thickness`: in `opacity_unit`s. `with_combs`: also where a sheet lies on every top.
 fn missed(classifier: &Classifier, slab_thickness: f64, with_combs: bool) -> f64 {
     let [min, max] = classifier.range.map(f64::from);
@@ -79,7 +80,7 @@ fn missed(classifier: &Classifier, slab_thickness: f64, with_combs: bool) -> f64
         [between(0) + (position - inside) / per_density * depth, depth]
     };
     let opacity = |depth: f64| -(-depth * slab_thickness).exp_m1();
-    // Mean optical depth by both sheets, and of what is between them.
+    // Mean optical depth by both sheets, and of the matter between them.
     let depths = |from: f64, step: f64| {
         let ([before, near], [after, far]) = (at(from), at(from + step));
         [0.5 * (near + far), (after - before) / step]

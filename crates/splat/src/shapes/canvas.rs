@@ -43,7 +43,7 @@ pub struct Canvas<'a> {
 pub struct SurfacePart {
     /// Texel.
     pub texel: [usize; 2],
-    /// Texel position of the middle of what is covered.
+    /// Texel position of the middle of the covered places.
     pub at: [f32; 2],
     /// Covered places.
     pub mask: Mask,

@@ -281,7 +281,7 @@ fn draw_piece<const BALL: bool>(
                 let [enter, leave] = rays.meet(ray.to_array(), way.to_array());
                 // Pieces that the eye is in are entered where the rays begin.
                 let t = if is_hidden { rays.nearest } else { [enter, leave][usize::from(side == Crossing::Leave)] };
-                // The middle of what is covered is covered, but for rounding.
+                // The middle of the covered places is covered, but for rounding.
                 if t.is_nan() {
                     continue;
                 }

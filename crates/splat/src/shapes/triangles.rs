@@ -156,7 +156,7 @@ pub fn cut_by_near_plane(own: [[f64; 3]; 3], view: &PlaneView) -> Vec<([Placed; 
 pub struct TriangleHit {
     /// Texel.
     pub texel: [usize; 2],
-    /// Texel position of the middle of what is covered.
+    /// Texel position of the middle of the covered places.
     pub at: [f32; 2],
     /// Covered places.
     pub mask: Mask,

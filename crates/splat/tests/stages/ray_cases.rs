@@ -121,8 +121,8 @@ pub fn project() -> Fixture {
         stage: "project",
         what: "Projections of sixteen rays through sheets at s = 0, 1, 2, ... with density[sheet][ray], linear in between; \
                interval, the part of s that is drawn; length_per_s, length along a ray per s. value: the extreme, or the \
-               integral over the length: of the density (mean, sum), or of what of it is above level (x-ray). Depth shading \
-               multiplies what is above level by 1 - strength (s - interval[0]) / (interval[1] - interval[0]) first, at the \
+               integral over the length: of the density (mean, sum), or of its excess over level (x-ray). Depth shading \
+               multiplies the excess over level by 1 - strength (s - interval[0]) / (interval[1] - interval[0]) first, at the \
                ends of each space between two sheets. Attenuation multiplies it by exp(-attenuation I) instead, where I is the \
                integral over the length, so far, of what rises from 0 at level to 1 at white. length: of the way.",
         made_from: FORMULAS,

@@ -103,8 +103,8 @@ def _lines(facts: dict[str, Any]) -> list[str]:
     for number, adapter in enumerate(facts["gpus"]):
         tested = adapter["self_test"]
         ids = f"{adapter['vendor_id']:#06x}:{adapter['device_id']:#06x}"
-        told = ", ".join([f"{adapter['name']} ({adapter['kind']})", adapter["backend"], adapter["driver"], ids])
-        lines += ["", f"GPU {number}: {told}"]
+        named = ", ".join([f"{adapter['name']} ({adapter['kind']})", adapter["backend"], adapter["driver"], ids])
+        lines += ["", f"GPU {number}: {named}"]
         if tested["reason"]:
             lines.append(f"not used: {tested['reason']}")
             continue

@@ -81,7 +81,7 @@ def movie(
             raise
         shown = _film(input, drawing, fps=course.fps, quiet=quiet)
     try:
-        with progress.bar("drawing", shown=not quiet and is_terminal()) as told:
+        with progress.bar("drawing", shown=not quiet and is_terminal()) as report_progress:
             make(
                 shown.scene,
                 output,
@@ -90,7 +90,7 @@ def movie(
                 size=shown.size,
                 crf=course.crf,
                 resume=course.resume,
-                progress=told,
+                progress=report_progress,
                 **shown.arguments,
                 **marks_of(marks, unit_of(shown.scene), quiet=quiet),
             )

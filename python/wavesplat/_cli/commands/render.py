@@ -127,18 +127,18 @@ def _drawn_all(
     options |= eye_arguments(drawing.eyes, chosen.unit)
     shown = not quiet and is_terminal()
     made, title = [], figure.marks.title
-    for scene, path, told in planned:
+    for scene, path, label in planned:
         if title and len(planned) > 1:
             figure = replace(figure, marks=replace(figure.marks, title=stamped(title, scene)))
 
-        def draw(told: Any, scene: Scene = scene) -> Any:
-            return scene.render(camera, progress=told, **options)
+        def draw(report_progress: Any, scene: Scene = scene) -> Any:
+            return scene.render(camera, progress=report_progress, **options)
 
         picture: Any = progress.run(draw, "drawing", shown=shown)
         if not quiet:
             print_notes(picture)
         picture = annotated(picture, figure, scene, quiet=quiet)
-        batch.add(input, told if len(planned) > 1 else None, picture, scene.layers[0])
+        batch.add(input, label if len(planned) > 1 else None, picture, scene.layers[0])
         picture.save(path, bits=files.bits, dpi=figure.dpi, scene=files.embed_scene, embed_paths=files.embed_paths)
         made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})
     return [one.path for one in planned], made
@@ -165,7 +165,7 @@ class _Planned(NamedTuple):
 
     scene: Scene
     path: Path
-    told: str = ""
+    label: str = ""
 
 
 def _pictures(scene: Scene, times: str | None, input: str, output: Path) -> list[_Planned]:
@@ -197,8 +197,8 @@ def _of_channels(planned: _Planned) -> list[_Planned]:
     made = []
     for layer, name, safe in zip(layers, names, safe_names(names, range(len(names))), strict=True):
         path = planned.path.with_name(planned.path.name.replace(PLACE_OF_CHANNEL, safe))
-        told = ", ".join(text for text in (planned.told, name) if text)
-        made.append(_Planned(planned.scene.with_(layers=[layer]), path, told))
+        label = ", ".join(text for text in (planned.label, name) if text)
+        made.append(_Planned(planned.scene.with_(layers=[layer]), path, label))
     return made
 
 
@@ -228,8 +228,8 @@ def _drawn_again(
             document = scene_files.load(path, external_files=external_files)
     how: Any = {"threads": drawing.sampling.threads, "device": drawing.sampling.device, **document.options}
 
-    def draw(told: Any) -> Any:
-        return document.scene.render(document.camera, progress=told, **how)
+    def draw(report_progress: Any) -> Any:
+        return document.scene.render(document.camera, progress=report_progress, **how)
 
     with warnings_as_notes(quiet=quiet):
         picture = progress.run(draw, "drawing", shown=not quiet and is_terminal())

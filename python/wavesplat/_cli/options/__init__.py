@@ -1,1 +1,1 @@
-"""Options of the command line, declared once, and what they make."""
+"""Options of the command line, declared once, and the objects that they make."""

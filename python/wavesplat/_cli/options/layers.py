@@ -418,8 +418,8 @@ def names_of_pictures(output: Path, numbers: Sequence[int], texts: Sequence[str]
         if PLACE_OF_TIME in output.name:
             yield number, output.with_name(output.name.replace(PLACE_OF_TIME, names[number]))
         else:
-            told = f"{number:0{len(str(len(texts) - 1))}}"
-            yield number, output.with_name(f"{output.stem}_{told}{output.suffix}")
+            digits = f"{number:0{len(str(len(texts) - 1))}}"
+            yield number, output.with_name(f"{output.stem}_{digits}{output.suffix}")
 
 
 def names_of_times(texts: Sequence[str]) -> list[str]:

@@ -47,7 +47,7 @@ class _Table:
     units: Mapping[str, str]
 
     def numbers(self, name: str) -> NDArray[np.float64]:
-        """A column as numbers; what is none is NaN."""
+        """A column as numbers; cells without a number are NaN."""
         return np.array([_number(cell) for cell in self.columns[name]], np.float64)
 
     def first(self, names: Sequence[str]) -> str | None:

@@ -1,4 +1,4 @@
-"""Grids in the world: the base of volumes of samples and of coefficients; what place, slices and names say of them."""
+"""Grids in the world, the base of volumes of samples and of coefficients: place, directions of slices, names."""
 
 from __future__ import annotations
 

@@ -388,7 +388,7 @@ def _of_frame(
     """Arguments of `Frame` from its functional groups, or else from the dataset."""
     content = _in_group(groups, 0x00209111)
     indices = whole_numbers(content, 0x00209157, "u4") if content is not None else ()
-    # A file may number its frames and leave out by what (DimensionIndexSequence).
+    # A file may number its frames and not name the attributes that it numbers (DimensionIndexSequence).
     names = dimensions or [f"{INDEX}dimension {n}" for n in range(1, len(indices) + 1)]
     numbered = {name: float(value) for value, name in zip(indices, names, strict=False)}
     spacing = _found(groups, dataset, 0x00289110, 0x00280030, 2)

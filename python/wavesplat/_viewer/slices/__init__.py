@@ -1,1 +1,1 @@
-"""Slices of the viewer: what they begin with, their panes, and the values sent to the page."""
+"""Slices of the viewer: their first settings, their panes, and the values sent to the page."""

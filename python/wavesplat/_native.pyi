@@ -14,6 +14,7 @@ __all__ = [
     "Ablation",
     "BlockState",
     "Camera",
+    "CameraPath",
     "DecodedVolume",
     "Labels",
     "LazyVolume",
@@ -25,19 +26,19 @@ __all__ = [
     "Volume",
     "WaveletVolume",
     "__version__",
-    "about",
     "camera_axes",
     "camera_fields",
     "camera_project",
     "camera_turned",
     "camera_unproject",
     "camera_widened",
+    "camera_zoomed",
+    "cameras_evenly",
     "channel_color",
     "check_fields",
     "check_list",
     "distinct_colors",
     "encode_png",
-    "fit_all_views",
     "fit_view",
     "gpu_adapters",
     "gpu_check",
@@ -48,7 +49,6 @@ __all__ = [
     "is_point",
     "label_color",
     "light_step",
-    "narrowed",
     "normals_of_faces",
     "optional_number",
     "orbit_axes",
@@ -64,6 +64,10 @@ __all__ = [
     "splat_ablated",
     "splat_literal",
     "straight_bytes",
+    "turn_angles",
+    "turn_around",
+    "turn_in_place",
+    "turn_in_view",
     "view_angles",
 ]
 
@@ -484,16 +488,17 @@ def smallest_budget(
 _Vector: TypeAlias = tuple[float, float, float]
 #: Position, focal point and up of a camera; then `parallel_scale` or `view_angle`, degrees.
 _CameraFields: TypeAlias = tuple[_Vector, _Vector, _Vector, float | None, float | None]
+#: Axis of a turn, degrees, and number of frames.
+_Turn: TypeAlias = tuple[_Vector, float, int]
 
 # Cameras (crates/view). Axes: rows right, up and back, [3, 3]; points [n, 3], world units; angles in degrees.
 
 def sin_cos_deg(angle: float) -> tuple[float, float]: ...
-def narrowed(view_angle: float, zoom: float) -> float: ...
 def view_angles(name: str, is_anatomical: bool) -> tuple[float, float]: ...
 def orbit_axes(azimuth: float, elevation: float) -> NDArray[np.float64]: ...
-def about(axis: _Vector, angle: float) -> NDArray[np.float64]: ...
 def camera_axes(camera: _CameraFields) -> NDArray[np.float64]: ...
 def camera_turned(camera: _CameraFields, azimuth: float, elevation: float, roll: float) -> _CameraFields: ...
+def camera_zoomed(camera: _CameraFields, factor: float) -> _CameraFields: ...
 def camera_widened(camera: _CameraFields, shown: NDArray[np.float64], zoom: float, aspect: float) -> _CameraFields: ...
 def camera_project(
     camera: _CameraFields, shown: NDArray[np.float64], size: tuple[int, int]
@@ -510,14 +515,28 @@ def fit_view(
     aspect: float,
     is_turn: bool,
 ) -> _CameraFields: ...
-def fit_all_views(
-    views: Sequence[NDArray[np.float64]],
+def turn_angles(turned: _Turn) -> list[float]: ...
+def turn_around(turned: _Turn, first: _CameraFields) -> list[_CameraFields]: ...
+def turn_in_place(turned: _Turn, camera: _CameraFields) -> list[_CameraFields]: ...
+def turn_in_view(
+    turned: _Turn,
+    azimuth: float,
+    elevation: float,
     corners: NDArray[np.float64],
     shown: NDArray[np.float64] | None,
     zoom: float,
     view_angle: float | None,
     aspect: float,
-) -> _CameraFields: ...
+) -> list[_CameraFields]: ...
+
+@final
+class CameraPath:
+    """A camera for every time between the first and the last key frame."""
+
+    def __new__(cls, keys: Sequence[_CameraFields], times: Sequence[float]) -> CameraPath: ...
+    def at(self, time: float) -> _CameraFields: ...
+
+def cameras_evenly(keys: Sequence[_CameraFields], n: int, is_closed: bool) -> list[_CameraFields]: ...
 def light_step(shape: tuple[int, int, int], world_from_index: NDArray[np.float64]) -> tuple[int, int, int]:
     """Steps (z, y, x) between the samples that light is worked out from."""
 

@@ -58,6 +58,11 @@ pub enum Error {
     #[error("camera: {problem}; pass parallel_scale (orthographic) or view_angle (perspective), one of the two")]
     Projection { problem: &'static str },
     #[error(
+        "camera 0 is {first} and camera {number} {other}; give key frames of one kind: \
+         a small view_angle from far away looks nearly orthographic"
+    )]
+    MixedLenses { first: &'static str, number: usize, other: &'static str },
+    #[error(
         "crop: the box from {lo:?} to {hi:?} holds nothing of the volume, which reaches from {volume_lo:?} to {volume_hi:?}; swap or move the corners"
     )]
     EmptyCrop { lo: [f64; 3], hi: [f64; 3], volume_lo: [f64; 3], volume_hi: [f64; 3] },

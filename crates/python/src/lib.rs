@@ -58,8 +58,9 @@ mod _native {
     use crate::study::{render_standard, splat_ablated};
     #[pymodule_export]
     use crate::view::{
-        about, camera_axes, camera_project, camera_turned, camera_unproject, camera_widened, fit_all_views, fit_view,
-        narrowed, orbit_axes, sin_cos_deg, view_angles,
+        PyCameraPath, camera_axes, camera_project, camera_turned, camera_unproject, camera_widened, camera_zoomed,
+        cameras_evenly, fit_view, orbit_axes, sin_cos_deg, turn_angles, turn_around, turn_in_place, turn_in_view,
+        view_angles,
     };
     #[pymodule_export]
     use crate::volume::PyVolume;

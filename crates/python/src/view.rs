@@ -1,9 +1,9 @@
-//! Named views, orbits, fits and turns of cameras; see `_native.pyi`.
+//! Named views, orbits, fits, turns and paths of cameras; see `_native.pyi`.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use wavesplat::view::{self, Axes, Fit, InView, Lens, Pose};
+use wavesplat::view::{self, Axes, CameraPath, Fit, InView, Lens, Pose, Turn};
 
 use crate::arguments::{Triple, vector};
 use crate::errors::to_py;
@@ -56,11 +56,6 @@ pub fn sin_cos_deg(angle: f64) -> (f64, f64) {
 }
 
 #[pyfunction]
-pub fn narrowed(view_angle: f64, zoom: f64) -> f64 {
-    view::narrowed(view_angle, zoom)
-}
-
-#[pyfunction]
 pub fn view_angles(name: &str, is_anatomical: bool) -> PyResult<(f64, f64)> {
     view::view_angles(name, is_anatomical).map_err(to_py)
 }
@@ -71,12 +66,6 @@ pub fn orbit_axes(py: Python<'_>, azimuth: f64, elevation: f64) -> Bound<'_, PyA
 }
 
 #[pyfunction]
-pub fn about(py: Python<'_>, axis: Triple, angle: f64) -> Bound<'_, PyArray2<f64>> {
-    let matrix: DMat3 = view::about(vector(axis), angle);
-    rows(py, &matrix.transpose().to_cols_array_2d())
-}
-
-#[pyfunction]
 pub fn camera_axes(py: Python<'_>, camera: Fields) -> Bound<'_, PyArray2<f64>> {
     rows_of_axes(py, pose(camera).axes())
 }
@@ -84,6 +73,11 @@ pub fn camera_axes(py: Python<'_>, camera: Fields) -> Bound<'_, PyArray2<f64>> {
 #[pyfunction]
 pub fn camera_turned(camera: Fields, azimuth: f64, elevation: f64, roll: f64) -> Fields {
     fields(&pose(camera).turned(azimuth, elevation, roll))
+}
+
+#[pyfunction]
+pub fn camera_zoomed(camera: Fields, factor: f64) -> PyResult<Fields> {
+    pose(camera).zoomed(factor).map(|pose| fields(&pose)).map_err(to_py)
 }
 
 #[pyfunction]
@@ -149,18 +143,69 @@ pub fn fit_view(
     framing.place(&axes(&seen_from), fit).map(|pose| fields(&pose)).map_err(to_py)
 }
 
+/// Axis, angle in degrees, and number of frames.
+type TurnFields = (Triple, f64, usize);
+
+fn turn((axis, degrees, frames): TurnFields) -> PyResult<Turn> {
+    Turn::new(vector(axis), degrees, frames).map_err(to_py)
+}
+
+fn all_fields(poses: &[Pose]) -> Vec<Fields> {
+    poses.iter().map(fields).collect()
+}
+
+#[pyfunction]
+pub fn turn_angles(turned: TurnFields) -> PyResult<Vec<f64>> {
+    turn(turned).map(|turn| turn.angles())
+}
+
+#[pyfunction]
+pub fn turn_around(turned: TurnFields, first: Fields) -> PyResult<Vec<Fields>> {
+    turn(turned).map(|turn| all_fields(&turn.around(&pose(first))))
+}
+
+#[pyfunction]
+pub fn turn_in_place(turned: TurnFields, camera: Fields) -> PyResult<Vec<Fields>> {
+    turn(turned).map(|turn| all_fields(&turn.in_place(&pose(camera))))
+}
+
 #[pyfunction]
 #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
-pub fn fit_all_views(
-    views: Vec<PointArray<'_>>,
+#[expect(clippy::too_many_arguments, reason = "the fields of a view, and a turn")]
+pub fn turn_in_view(
+    turned: TurnFields,
+    azimuth: f64,
+    elevation: f64,
     corners: PointArray<'_>,
     shown: Option<PointArray<'_>>,
     zoom: f64,
     view_angle: Option<f64>,
     aspect: f64,
-) -> PyResult<Fields> {
+) -> PyResult<Vec<Fields>> {
     let (corners, shown) = (points(&corners), shown.as_ref().map(points));
-    let views: Vec<Axes> = views.iter().map(axes).collect();
     let framing = framing(&corners, shown.as_deref(), zoom, view_angle, aspect);
-    framing.place_for_all(&views).map(|pose| fields(&pose)).map_err(to_py)
+    framing.turn(azimuth, elevation, &turn(turned)?).map(|poses| all_fields(&poses)).map_err(to_py)
+}
+
+#[pyclass(name = "CameraPath", frozen)]
+pub struct PyCameraPath(CameraPath);
+
+#[pymethods]
+impl PyCameraPath {
+    #[new]
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists over by value")]
+    fn new(keys: Vec<Fields>, times: Vec<f64>) -> PyResult<Self> {
+        let keys: Vec<Pose> = keys.into_iter().map(pose).collect();
+        CameraPath::new(&keys, &times).map(Self).map_err(to_py)
+    }
+
+    fn at(&self, time: f64) -> Fields {
+        fields(&self.0.at(time))
+    }
+}
+
+#[pyfunction]
+pub fn cameras_evenly(keys: Vec<Fields>, n: usize, is_closed: bool) -> PyResult<Vec<Fields>> {
+    let keys: Vec<Pose> = keys.into_iter().map(pose).collect();
+    CameraPath::evenly(&keys, n, is_closed).map(|poses| all_fields(&poses)).map_err(to_py)
 }

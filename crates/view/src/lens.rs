@@ -15,9 +15,32 @@ pub enum Lens {
     ViewAngleDeg(f64),
 }
 
+impl Lens {
+    /// Half the height of the view, or the tangent of half its angle.
+    pub(crate) fn scale(self) -> f64 {
+        match self {
+            Self::ParallelScale(scale) => scale,
+            Self::ViewAngleDeg(angle) => slope(angle),
+        }
+    }
+
+    /// The lens of the same kind with another scale.
+    pub(crate) fn with_scale(self, scale: f64) -> Self {
+        match self {
+            Self::ParallelScale(_) => Self::ParallelScale(scale),
+            Self::ViewAngleDeg(_) => Self::ViewAngleDeg(angle_of(scale)),
+        }
+    }
+}
+
 /// The angle of view, degrees, in which things look `zoom` times as large.
-pub fn narrowed(view_angle_deg: f64, zoom: f64) -> f64 {
-    (2.0 * (slope(view_angle_deg) / zoom).atan()).to_degrees()
+pub(crate) fn narrowed(view_angle_deg: f64, zoom: f64) -> f64 {
+    angle_of(slope(view_angle_deg) / zoom)
+}
+
+/// The angle of view, degrees, by the tangent of its half.
+fn angle_of(slope: f64) -> f64 {
+    (2.0 * slope.atan()).to_degrees()
 }
 
 /// Tangent of half an angle of view, degrees.

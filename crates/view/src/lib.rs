@@ -24,11 +24,15 @@
 mod fit;
 mod lens;
 mod named;
+mod path;
 mod pose;
 mod rotation;
+mod turn;
 
 pub use fit::{Fit, InView, box_corners, grid_corners};
-pub use lens::{FARTHEST, Lens, narrowed};
+pub use lens::{FARTHEST, Lens};
 pub use named::{VIEWS, view_angles};
+pub use path::CameraPath;
 pub use pose::Pose;
 pub use rotation::{Axes, about, orbit_axes, sin_cos_deg};
+pub use turn::Turn;

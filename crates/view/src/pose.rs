@@ -70,11 +70,7 @@ impl Pose {
     /// If the factor is not a positive number within [`crate::FARTHEST`].
     pub fn zoomed(&self, factor: f64) -> Result<Self> {
         check_ratio("zoom", factor)?;
-        let lens = match self.lens {
-            Lens::ParallelScale(scale) => Lens::ParallelScale(scale / factor),
-            Lens::ViewAngleDeg(angle) => Lens::ViewAngleDeg(narrowed(angle, factor)),
-        };
-        Ok(Self { lens, ..*self })
+        Ok(Self { lens: self.lens.with_scale(self.lens.scale() / factor), ..*self })
     }
 
     /// The pose itself where it shows all `points`, world positions, else with a larger scale or moved back until it

@@ -19,6 +19,13 @@ impl Axes {
         DVec3::new(dot(v, self.right), dot(v, self.up), dot(v, self.back))
     }
 
+    /// The axes turned by a rotation.
+    pub(crate) fn rotated(&self, matrix: &DMat3) -> Self {
+        let rows = matrix.transpose();
+        let turned = |v| DVec3::new(dot(v, rows.x_axis), dot(v, rows.y_axis), dot(v, rows.z_axis));
+        Self { right: turned(self.right), up: turned(self.up), back: turned(self.back) }
+    }
+
     /// The vector of the world with these right, up and back coordinates.
     pub fn vector(&self, coordinates: DVec3) -> DVec3 {
         let rows = DMat3::from_cols(self.right, self.up, self.back).transpose();

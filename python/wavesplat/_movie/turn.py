@@ -6,10 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from operator import index
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-
+from wavesplat import _native
 from wavesplat._model.camera import fit
 from wavesplat._model.camera.camera import Camera
 from wavesplat._model.camera.path import MAX_FRAMES
@@ -25,10 +24,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.arguments.operators import Operator
     from wavesplat._scene.scene import Scene
-
-
-#: Number of directions that decide the scale of a turn; between two, less than the margin can be missing.
-N_DIRECTIONS = 48
 
 
 @public
@@ -91,7 +86,7 @@ class Turn:
         fit.check_lens(self.zoom, self.view_angle, 1.0)
         axis: Iterable[float] = self.axis
         object.__setattr__(self, "axis", vector(axis, "axis of the turn"))
-        length = float(np.linalg.norm(self.axis))
+        length = sum(part * part for part in self.axis)
         if not (isfinite(length) and length > 0):
             raise ArgumentError(f"axis of the turn is {self.axis}; give a direction, such as (0, 0, 1)")
         if not (self.start is None or isinstance(self.start, Camera | str)):
@@ -104,9 +99,7 @@ class Turn:
     @property
     def angles(self) -> list[float]:
         """Angle of each frame, degrees."""
-        is_whole = abs(self.degrees) >= 360
-        steps = self.frames if is_whole else max(self.frames - 1, 1)
-        return [self.degrees * k / steps for k in range(self.frames)]
+        return _native.turn_angles(self._native)
 
     @property
     def time_of_frames(self) -> list[int] | None:
@@ -114,6 +107,10 @@ class Turn:
         if self.times is None:
             return None
         return [self.times[k * len(self.times) // self.frames] for k in range(self.frames)]
+
+    @property
+    def _native(self) -> tuple[Vector, float, int]:
+        return self.axis, self.degrees, self.frames
 
 
 def key_frames(turn: Turn, cameras: Sequence[Camera], fps: float) -> list[KeyFrame]:
@@ -128,13 +125,7 @@ def cameras_of(turn: Turn, scene: Scene, composite: Operator | None, aspect: flo
     """The cameras of a turn about what is seen of a scene; of panoramas they turn in the middle of it."""
     if not eyes.are_plain and turn.view_angle is None and not isinstance(turn.start, Camera):
         turn = replace(turn, view_angle=VIEW_ANGLE)
-    first = _first(turn, scene, composite, aspect)
-    offset, up = np.subtract(first.position, first.focal_point), np.array(first.view_up)
-    lens: Any = {"parallel_scale": first.parallel_scale, "view_angle": first.view_angle}
-    cameras = [first]
-    for angle in turn.angles[1:]:
-        matrix = fit.about(turn.axis, angle)
-        cameras.append(Camera(first.focal_point + matrix @ offset, first.focal_point, matrix @ up, **lens))
+    cameras = _cameras(turn, scene, composite, aspect)
     if eyes.panorama and not isinstance(turn.start, Camera):
         return [within(camera, is_level=turn.elevation == 0) for camera in cameras]
     return [eyes.camera(camera) for camera in cameras]
@@ -142,25 +133,25 @@ def cameras_of(turn: Turn, scene: Scene, composite: Operator | None, aspect: flo
 
 def turned_in_place(turn: Turn, camera: Camera) -> list[Camera]:
     """Cameras that turn where a camera is."""
-    ahead: Any = np.subtract(camera.focal_point, camera.position)
-    up: Any = np.array(camera.view_up)
-    turns = [fit.about(turn.axis, angle) for angle in turn.angles]
-    return [replace(camera, focal_point=camera.position + m @ ahead, view_up=m @ up) for m in turns]
+    return fit.cameras_at(_native.turn_in_place(turn._native, fit.fields_of(camera)))
 
 
-def _first(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) -> Camera:
+def _cameras(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) -> list[Camera]:
     if isinstance(turn.start, Camera):
-        return turn.start.turned(turn.azimuth, turn.elevation).zoomed(turn.zoom)
+        first = turn.start.turned(turn.azimuth, turn.elevation).zoomed(turn.zoom)
+        return fit.cameras_at(_native.turn_around(turn._native, fit.fields_of(first)))
     azimuth, elevation = direction_of(scene, turn.start, composite)
-    axes = fit.orbit_axes(azimuth + turn.azimuth, elevation + turn.elevation)
-    covered = min(abs(turn.degrees), 360.0) * (1 if turn.degrees > 0 else -1)
-    n = max(2, round(N_DIRECTIONS * abs(covered) / 360) + 1)
-    views = [axes @ fit.about(turn.axis, covered * k / (n - 1)).T for k in range(n)]
     around, points = what_is_seen(scene, composite, turn.times)
-    eye = fit.placed_for_all(
-        views, around, zoom=framing.FILLED * turn.zoom, view_angle=turn.view_angle, aspect=aspect, points=points
+    return fit.cameras_in_view(
+        turn._native,
+        azimuth + turn.azimuth,
+        elevation + turn.elevation,
+        around,
+        zoom=framing.FILLED * turn.zoom,
+        view_angle=turn.view_angle,
+        aspect=aspect,
+        points=points,
     )
-    return fit.camera_at(eye)
 
 
 def _numbers(times: object) -> tuple[int, ...]:

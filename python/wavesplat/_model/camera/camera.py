@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from math import dist, hypot, radians, tan
 from os import PathLike
@@ -238,10 +238,7 @@ class Camera:
         >>> ws.Camera((0, 500, 0), (0, 0, 0), (0, 0, 1), parallel_scale=100).zoomed(4).parallel_scale
         25.0
         """
-        camera_fit.check_lens(factor, None, 1.0)
-        if self.view_angle is not None:
-            return replace(self, view_angle=camera_fit.narrowed(self.view_angle, factor))
-        return replace(self, parallel_scale=(self.parallel_scale or 0.0) / factor)
+        return camera_fit.zoomed(self, factor)
 
     @takes_its_types
     def fitted(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import product
 from operator import index
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
@@ -30,9 +30,9 @@ Vectors: TypeAlias = NDArray[np.float64]
 MAX_SIDE = 2**31
 
 
-#: See `crates/view`: sine and cosine of degrees, exact at quarter turns; the angle of view in which things look larger;
-#: right, up, and back (towards the eye) of a camera on the orbit, as rows.
-sin_cos_deg, narrowed, orbit_axes = _native.sin_cos_deg, _native.narrowed, _native.orbit_axes
+#: See `crates/view`: sine and cosine of degrees, exact at quarter turns; right, up, and back (towards the eye) of a
+#: camera on the orbit, as rows.
+sin_cos_deg, orbit_axes = _native.sin_cos_deg, _native.orbit_axes
 
 
 class Placed(NamedTuple):
@@ -84,22 +84,21 @@ def placed(
     return Placed(*_native.fit_view(axes, corners_of(what), shown, zoom, view_angle, aspect, fit == "turn"))
 
 
-def placed_for_all(
-    views: Sequence[Vectors],
+def cameras_in_view(
+    turn: tuple[Vector, float, int],
+    azimuth: float,
+    elevation: float,
     what: object,
     *,
     zoom: float,
     view_angle: float | None,
     aspect: float,
-    points: ArrayLike | None,
-) -> Placed:
-    """Fit a camera to the first of several views, at a scale and a distance at which each of them shows everything.
-
-    All look at the centre of the bounding box of the corners, or of `points`.
-    """
+    points: Vectors | None,
+) -> list[Camera]:
+    """Cameras of a turn (axis, degrees, frames), at a scale and a distance at which each of them shows everything."""
     check_lens(zoom, view_angle, aspect)
-    shown = None if points is None else _checked_points(points)
-    return Placed(*_native.fit_all_views(views, corners_of(what), shown, zoom, view_angle, aspect))
+    given = (corners_of(what), points, zoom, view_angle, aspect)
+    return cameras_at(_native.turn_in_view(turn, azimuth, elevation, *given))
 
 
 def widened(camera: Camera, what: Grid | Vectors, *, zoom: float, aspect: float) -> Camera:
@@ -118,10 +117,10 @@ def turned(camera: Camera, azimuth: float, elevation: float, roll: float) -> Cam
     return camera_at(Placed(*_native.camera_turned(fields_of(camera), azimuth, elevation, roll)))
 
 
-def about(axis: Sequence[float], angle: float) -> Vectors:
-    """Rotation matrix about an axis, degrees, anticlockwise seen from its tip; exact at quarter turns."""
-    x, y, z = axis
-    return _native.about((x, y, z), angle)
+def zoomed(camera: Camera, factor: float) -> Camera:
+    """See `Camera.zoomed`."""
+    check_lens(factor, None, 1.0)
+    return camera_at(Placed(*_native.camera_zoomed(fields_of(camera), factor)))
 
 
 def axes_of(camera: Camera) -> Vectors:
@@ -139,6 +138,11 @@ def camera_at(placed: Placed) -> Camera:
     from wavesplat._model.camera.camera import Camera
 
     return Camera(*placed[:3], parallel_scale=placed.parallel_scale, view_angle=placed.view_angle)
+
+
+def cameras_at(fields: Iterable[tuple[Any, ...]]) -> list[Camera]:
+    """The cameras with these positions, focal points, ups and lenses."""
+    return [camera_at(Placed(*one)) for one in fields]
 
 
 def projected(camera: Camera, points: ArrayLike, size: Sequence[int]) -> tuple[Vectors, Vectors]:

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._model.camera.camera import Camera
-from wavesplat._model.camera.fit import narrowed
 from wavesplat._model.volume.grid import Grid
 from wavesplat._movie.seen import what_is_seen
 from wavesplat._render.framing import FILLED
@@ -59,10 +58,8 @@ class FirstView:
 def framed(scene: Scene, composite: Any, camera: Camera, aspect: float) -> Camera:
     """A camera with the direction and the lens of another one that frames what is seen of a scene."""
     around, points = _seen_of(scene, composite)
-    lens = camera
-    if camera.view_angle is not None:
-        # The margin is that of the library's cameras, which widens the angle; the page's angle stays.
-        lens = replace(camera, view_angle=narrowed(camera.view_angle, 1 / FILLED))
+    # The margin is that of the library's cameras, which widens the angle; the page's angle stays.
+    lens = camera if camera.view_angle is None else camera.zoomed(1 / FILLED)
     return lens.fitted(around, aspect=aspect, zoom=FILLED, points=points)
 
 

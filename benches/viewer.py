@@ -29,7 +29,7 @@ import numpy as np
 from PIL import Image
 
 import wavesplat as ws
-from wavesplat._viewer.answers.questions import state_from_text
+from wavesplat._viewer.page_requests.questions import state_from_text
 from wavesplat._viewer.session.picturing import picture_of
 from wavesplat._viewer.session.state import ViewerState
 

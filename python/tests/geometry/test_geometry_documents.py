@@ -11,7 +11,7 @@ import pytest
 
 import wavesplat as ws
 from wavesplat._scene.documents import scene_json
-from wavesplat._viewer.answers.code import python_of
+from wavesplat._viewer.page_requests.code import python_of
 from wavesplat._viewer.session.state import ViewerState
 
 SCHEMA = json.loads((Path(scene_json.__file__).parent / "scene.schema.json").read_text(encoding="utf-8"))

@@ -11,9 +11,9 @@ import viewer_fakes
 from wavesplat._looks import presets
 from wavesplat._scene.opening import open_scene
 from wavesplat._system.threads import collected_notes, warn
-from wavesplat._viewer.answers import questions
-from wavesplat._viewer.answers.code import short_look
 from wavesplat._viewer.opening import open_paths
+from wavesplat._viewer.page_requests import questions
+from wavesplat._viewer.page_requests.code import short_look
 from wavesplat.errors import FileWarning
 
 

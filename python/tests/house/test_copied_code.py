@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat._viewer.answers import code
+from wavesplat._viewer.page_requests import code
 from wavesplat._viewer.session.state import ViewerState
 
 BOX = np.zeros((6, 7, 8), np.uint8)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import wavesplat as ws
 from wavesplat._picture.picture_files import KEYWORD, with_text
 from wavesplat._storage import json_texts
-from wavesplat._viewer.answers import questions
+from wavesplat._viewer.page_requests import questions
 from wavesplat._viewer.server.messages import packed, unpacked
 from wavesplat._viewer.session.state import ViewerState
 

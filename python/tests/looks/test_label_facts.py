@@ -5,8 +5,8 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from wavesplat._viewer.answers import measuring
-from wavesplat._viewer.answers.measuring import values_of_labels
+from wavesplat._viewer.page_requests import measuring
+from wavesplat._viewer.page_requests.measuring import values_of_labels
 
 SHAPES = [(1, 1, 1), (7, 5, 3), (40, 16, 9)]
 

@@ -16,8 +16,8 @@ from dicom_files import enhanced, save, segmentation, sequence, slice_at
 
 import wavesplat as ws
 from wavesplat._picture.picture_files import text_in
-from wavesplat._viewer.answers import code, export_html
-from wavesplat._viewer.answers.seen import name_of
+from wavesplat._viewer.page_requests import code, export_html
+from wavesplat._viewer.page_requests.seen import name_of
 from wavesplat._viewer.session.picturing import picture_of
 from wavesplat._viewer.session.state import ViewerState
 

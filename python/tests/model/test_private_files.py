@@ -17,7 +17,7 @@ import wavesplat as ws
 from wavesplat._model.volume.private_names import file_name_of, without_folders
 from wavesplat._picture.picture_files import text_in
 from wavesplat._scene.documents import scene_files
-from wavesplat._viewer.answers import export_html
+from wavesplat._viewer.page_requests import export_html
 from wavesplat._viewer.session.state import ViewerState
 from wavesplat.errors import ArgumentError, FileError
 

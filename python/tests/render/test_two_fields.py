@@ -17,7 +17,7 @@ from PIL import Image
 import wavesplat as ws
 from wavesplat._looks.kinds.field_colors import field_colors
 from wavesplat._picture.color_bar import scale_of
-from wavesplat._viewer.answers.code import python_of
+from wavesplat._viewer.page_requests.code import python_of
 from wavesplat._viewer.session.state import ViewerState
 from wavesplat.errors import ArgumentError
 

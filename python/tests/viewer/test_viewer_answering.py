@@ -6,7 +6,7 @@ import pytest
 import viewer_fakes
 from viewer_fakes import Page
 
-from wavesplat._viewer.answers import questions
+from wavesplat._viewer.page_requests import questions
 from wavesplat._viewer.session.session import Session
 
 

@@ -9,7 +9,7 @@ import pytest
 import viewer_fakes
 
 import wavesplat as ws
-from wavesplat._viewer.answers import questions
+from wavesplat._viewer.page_requests import questions
 from wavesplat._viewer.session.session import Session
 from wavesplat._viewer.session.state import ViewerState
 

@@ -13,7 +13,7 @@ from cases_of_the_day import nightly
 from PIL import Image
 
 import wavesplat as ws
-from wavesplat._viewer.answers import code, questions, under_pointer
+from wavesplat._viewer.page_requests import code, questions, under_pointer
 from wavesplat._viewer.session.picturing import picture_of
 from wavesplat._viewer.session.state import ViewerState
 from wavesplat.errors import ArgumentError

@@ -11,9 +11,9 @@ import viewer_fakes
 from PIL import Image
 
 import wavesplat as ws
-from wavesplat._viewer.answers import questions
-from wavesplat._viewer.answers.seen import GAP, name_of, seen
-from wavesplat._viewer.answers.seen import _text as text_of
+from wavesplat._viewer.page_requests import questions
+from wavesplat._viewer.page_requests.seen import GAP, name_of, seen
+from wavesplat._viewer.page_requests.seen import _text as text_of
 from wavesplat._viewer.session.picturing import picture_of
 from wavesplat._viewer.session.state import ViewerState
 from wavesplat.errors import ArgumentError

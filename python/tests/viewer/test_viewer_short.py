@@ -14,8 +14,8 @@ from PIL import Image
 
 import wavesplat as ws
 from wavesplat._scene.documents import scene_json
-from wavesplat._viewer.answers import code, questions
-from wavesplat._viewer.answers.code import short_document, short_look
+from wavesplat._viewer.page_requests import code, questions
+from wavesplat._viewer.page_requests.code import short_document, short_look
 from wavesplat._viewer.session.picturing import picture_of
 from wavesplat._viewer.session.state import ViewerState
 from wavesplat.errors import ArgumentError

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat._viewer.answers import questions
-from wavesplat._viewer.answers.under_pointer import values_at
+from wavesplat._viewer.page_requests import questions
+from wavesplat._viewer.page_requests.under_pointer import values_at
 from wavesplat._viewer.session.info import welcome_of
 from wavesplat._viewer.session.state import ViewerState
 

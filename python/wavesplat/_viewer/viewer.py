@@ -26,9 +26,9 @@ from wavesplat._storage import json_texts
 from wavesplat._storage import json_texts as json_text
 from wavesplat._storage.paths import expanded
 from wavesplat._system.values import described
-from wavesplat._viewer.answers import export_html
-from wavesplat._viewer.answers.seen import Shown, check_shown, seen
 from wavesplat._viewer.opening.opening import Opener
+from wavesplat._viewer.page_requests import export_html
+from wavesplat._viewer.page_requests.seen import Shown, check_shown, seen
 from wavesplat._viewer.session.session import Session
 from wavesplat._viewer.session.state import ViewerState
 from wavesplat.errors import ArgumentError
@@ -333,7 +333,7 @@ def view(
     is_whole = state is not None and "layers" in state
     first = ViewerState.of(scene, camera, options, state.get("view") if is_whole and state else state)
     if is_whole:
-        from wavesplat._viewer.answers.questions import state_from_text
+        from wavesplat._viewer.page_requests.questions import state_from_text
 
         first = state_from_text(first, json.dumps(state)).begun()
     in_notebook = browser is None and is_notebook()

@@ -95,7 +95,7 @@ def view(
     _check_there(input)
     saving.check(input, is_named=named is not None)
     if saving.save is not None:
-        from wavesplat._viewer.answers.seen import check_shown, seen
+        from wavesplat._viewer.page_requests.seen import check_shown, seen
 
         shown = check_shown(saving.shown)
         picture = seen(

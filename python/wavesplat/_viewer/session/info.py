@@ -21,7 +21,7 @@ from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._render.windows import CT_WINDOWS
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
-from wavesplat._viewer.answers.under_pointer import color_fields_of
+from wavesplat._viewer.page_requests.under_pointer import color_fields_of
 from wavesplat._viewer.server.messages import PROTOCOL
 from wavesplat._viewer.session.state import ViewerState
 

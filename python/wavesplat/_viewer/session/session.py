@@ -16,7 +16,7 @@ from typing import Any
 from wavesplat._model.arguments.sampling import Sampling
 from wavesplat._picture.picture import Picture
 from wavesplat._system.values import described
-from wavesplat._viewer.answers.questions import Answering, failure_of
+from wavesplat._viewer.page_requests.questions import Answering, failure_of
 from wavesplat._viewer.server import messages
 from wavesplat._viewer.session.info import welcome_of
 from wavesplat._viewer.session.pace import BUDGETS_MS, Pace, Refining, Settings, frame_fields, rungs_of

@@ -24,11 +24,11 @@ from wavesplat._scene.scene import names_by_themselves
 from wavesplat._storage import json_texts
 from wavesplat._system.threads import collected_notes
 from wavesplat._system.values import described, whole
-from wavesplat._viewer.answers import code, export_html
-from wavesplat._viewer.answers.code import USUAL, short_document
-from wavesplat._viewer.answers.measuring import label_statistics, region_statistics
-from wavesplat._viewer.answers.seen import Shown, check_shown, name_of, seen
-from wavesplat._viewer.answers.under_pointer import depth_of_matter, shape_seen, sight_at, values_at
+from wavesplat._viewer.page_requests import code, export_html
+from wavesplat._viewer.page_requests.code import USUAL, short_document
+from wavesplat._viewer.page_requests.measuring import label_statistics, region_statistics
+from wavesplat._viewer.page_requests.seen import Shown, check_shown, name_of, seen
+from wavesplat._viewer.page_requests.under_pointer import depth_of_matter, shape_seen, sight_at, values_at
 from wavesplat._viewer.server import messages
 from wavesplat._viewer.session.framed_cameras import framed, kept_in_view
 from wavesplat._viewer.session.info import data_of, fingerprint_of

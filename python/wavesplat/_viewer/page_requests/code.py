@@ -16,7 +16,7 @@ from wavesplat._scene.documents import geometry_json, scene_json
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import names_by_themselves
 from wavesplat._system.threads import collected_notes
-from wavesplat._viewer.answers.seen import Shown, name_of
+from wavesplat._viewer.page_requests.seen import Shown, name_of
 from wavesplat._viewer.session.state import ViewerState
 from wavesplat.errors import WavesplatError
 

@@ -218,12 +218,12 @@ def test_the_error_that_asks_lists_it_too(tmp_path):
 
 def test_numbers_alone_are_a_guess(tmp_path):
     series = check_volumes(written(tmp_path / "mr", lambda *_: {}, NUMBERS["by slice"]))
-    assert "instance numbers: nothing else in the headers tells" in series[0].guesses[0]
+    assert "instance numbers: nothing else in the headers says" in series[0].guesses[0]
 
 
 def test_names_alone_are_a_warning(tmp_path):
     folder = written(tmp_path / "mr", lambda *_: {}, NUMBERS["equal"])
-    with pytest.warns(FileWarning, match="nothing in the headers tells which of the 3 slices .* order of file names"):
+    with pytest.warns(FileWarning, match="nothing in the headers says which of the 3 slices .* order of file names"):
         ws.open(folder, time=0)
 
 
@@ -257,7 +257,7 @@ def test_doubled_slices_are_named(tmp_path):
     other = dcmread(folder / "003.dcm")
     other.SOPInstanceUID = other.file_meta.MediaStorageSOPInstanceUID = "1.2.3.99"
     other.save_as(folder / "copy.dcm")
-    with pytest.raises(FileError, match=r"nothing in the headers tells (003|copy).dcm from (003|copy).dcm; move"):
+    with pytest.raises(FileError, match=r"nothing in the headers distinguishes (003|copy).dcm from (003|copy).dcm"):
         ws.open(folder, time=0)
     (folder / "copy.dcm").write_bytes((folder / "003.dcm").read_bytes())
     check_volumes(folder)  # a file of the same UID is a copy

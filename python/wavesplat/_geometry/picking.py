@@ -120,9 +120,9 @@ def picked(
             kept &= is_kept(ray.origin + met.depths[:, None] * ray.direction)
         met = met.only(kept)
         for is_opaque in (True, False):
-            those = met.only((met.opacities >= OPAQUE) == is_opaque)
-            if len(those.depths):
-                found.append((not is_opaque, *_nearest(number, shape, those)))
+            alike = met.only((met.opacities >= OPAQUE) == is_opaque)
+            if len(alike.depths):
+                found.append((not is_opaque, *_nearest(number, shape, alike)))
     return min(found, key=lambda one: one[:2])[2] if found else None
 
 

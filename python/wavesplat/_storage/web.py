@@ -46,7 +46,7 @@ async def get(url: str, most: int, part: Part, *, public_only: bool) -> bytes | 
     ForbiddenError
         If the server answers 403, which some do for what is not there.
     FileError
-        If it answers something else, or more than that.
+        If it answers something else, or more bytes.
     """
     headers = {} if part is None else {"Range": _range(part)}
     try:

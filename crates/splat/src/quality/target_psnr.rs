@@ -79,7 +79,7 @@ pub fn render_to_psnr(
 ) -> Result<(Picture, Report, Estimate)> {
     let PsnrTarget { psnr_db: wanted_db, like } = *wanted;
     if !(20.0..=80.0).contains(&wanted_db) {
-        let mend = "pass 40 for a good picture, 50 for one that cannot be told from the converged one";
+        let mend = "pass 40 for a good picture, 50 for one that cannot be distinguished from the converged one";
         return Err(Error::out_of_range("psnr", wanted_db, "between 20 and 80 dB", mend));
     }
     parallel::with_threads(options.n_threads, || {

@@ -128,7 +128,7 @@ impl Ablation {
             return Ok(());
         };
         if !(2..=1024).contains(&per_sample) {
-            let mend = "pass 4 to see the table, 64 for one that is hardly told from exact weights";
+            let mend = "pass 4 to see the table, 64 for one that hardly differs from exact weights";
             return Err(Error::out_of_range("footprint_entries", per_sample, "between 2 and 1024", mend));
         }
         Ok(())

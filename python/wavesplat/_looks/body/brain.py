@@ -88,7 +88,7 @@ def _found(volume: Volume) -> Volume | str:
 
 
 def _places(volume: Volume) -> tuple[Floats, list[float]]:
-    """Means of the samples at places about 2 mm apart, and the distances of those, as (z, y, x)."""
+    """Means of the samples at places about 2 mm apart, and the distances of these places, as (z, y, x)."""
     distances = list(reversed(volume.spacing))
     steps = [max(1, int(PLACE_MM / d + 0.25)) for d in distances]
     whole = volume.samples[tuple(slice(n // k * k) for n, k in zip(volume.shape, steps, strict=True))]

@@ -3,7 +3,7 @@
 1. What is denser than a threshold is matter: half-way from air to soft tissue, or Otsu's threshold.
 2. Opening (erosion, then as much dilation, by a ball) removes what is thin, such as the shells of a table that touches
    the back; the largest connected part is the body, and others nearly as large belong to it (legs). Where opening
-   leaves little of that, its walls are as thin as a table's (a phantom), and nothing is cut off.
+   leaves little of the body, its walls are as thin as a table's (a phantom), and nothing is cut off.
 3. What opening took from the body comes back where it is small, such as ears and fingers: a table is large.
 4. A little air around it is kept, so that the skin is, and the slices are filled: lungs and bowel gas stay as they are.
 

@@ -91,7 +91,7 @@ class WaveletVolume(Grid):
     """A volume as its wavelet coefficients of large amplitude; made by `WaveletVolume.from_volume`, or loaded.
 
     `render` draws it like a volume, all of it, only its coarse levels (`level`), or only details of chosen sizes
-    (`bands`); it decodes what it looks at, and keeps at most `cache_bytes` of that.
+    (`bands`); it decodes what it looks at, and keeps at most `cache_bytes` of decoded samples.
     Level 0 holds the finest details, each further one details twice as large.
 
     Examples

@@ -210,7 +210,8 @@ class Header:
     frames: tuple[Frame, ...]
     #: Facts about the frames as pictures: a film, a window.
     pictures: FactsOfPictures = NO_PICTURES
-    #: How the frames lie side by side in one picture, and the header of that; None where each is a picture of its own.
+    #: How the frames lie side by side in one picture, and the header of this picture; None where each is a picture of
+    #: its own.
     tiles: Tiles | None = None
     whole: Header | None = None
     #: A sentence on what was assumed about the values; empty if nothing was.

@@ -105,7 +105,7 @@ def _filled(
 
 
 def _rounded(distances: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Distances to be counted: to 0.01 mm, and where they are usually below a millimetre to three digits of that."""
+    """Distances to be counted: to 0.01 mm; where the usual one is below a millimetre, to three digits of it."""
     usual = float(np.median(distances))
     rounded: NDArray[np.float64] = np.round(distances, 2 - min(math.floor(math.log10(usual)), 0) if usual > 0 else 2)
     return rounded
@@ -176,7 +176,7 @@ def samples_of(
 def _without_padding(
     samples: NDArray[Any], stack: Stack, pixels: dict[Path, NDArray[Any]], headers: dict[Path, Header]
 ) -> str:
-    """Set padding that is brighter than the darkest sample of the scan to that, in place; return a sentence on it.
+    """Set padding that is brighter than the scan's darkest sample to this sample, in place; return a sentence on it.
 
     Padding fills a round field of view up to a square. Mostly it is darker than all else, and is left as it is.
     """

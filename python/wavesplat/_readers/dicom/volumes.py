@@ -318,15 +318,13 @@ def _numbers(frames: Sequence[Frame]) -> list[tuple[Any, ...]]:
 def _by_numbers(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> tuple[str, bool]:
     """A sentence on frames that only their numbers or names distinguish, and whether it is names."""
     if len({frame.file for frame in frames}) == 1:
-        return "frames of one place in the order of the file: nothing in it tells which belong together", False
+        return "frames of one place in the order of the file: nothing in it says which belong together", False
     n = len(places[0])
     if all(len({(frames[k].instance, frames[k].index) for k in place}) == len(place) for place in places):
-        text = (
-            f"the {n} slices of each place in the order of their instance numbers: nothing else in the headers tells "
-        )
+        text = f"the {n} slices of each place in the order of their instance numbers: nothing else in the headers says "
         return f"{text}which belong together", False
     return (
-        f"nothing in the headers tells which of the {n} slices of each place belong together, not even their instance "
+        f"nothing in the headers says which of the {n} slices of each place belong together, not even their instance "
         "numbers: taken in the order of file names"
     ), True
 
@@ -392,5 +390,5 @@ def _missing_or_doubled(
     mend = "move the extra files away" if len({frame.file for frame in frames}) > 1 else "export the file again"
     return (
         f"{max(counts)} slices at position {position}, {min(counts)} at others: a slice is missing or doubled, and "
-        f"nothing in the headers tells {alike[0].name} from {alike[1].name}; {mend}: {request.path}"
+        f"nothing in the headers distinguishes {alike[0].name} from {alike[1].name}; {mend}: {request.path}"
     )

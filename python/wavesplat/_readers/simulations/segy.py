@@ -23,7 +23,7 @@ from wavesplat._system.libraries import library
 from wavesplat.errors import FileError
 
 EXTRA = "segy"
-#: Bytes of a header of traces: inline and crossline, distance of source and receiver, place, and the scale of that.
+#: Bytes of a header of traces: inline and crossline, distance of source and receiver, place, and the scale of places.
 INLINE, CROSSLINE, OFFSET, X, Y, SCALE = 189, 193, 37, 181, 185, 71
 #: Place of the code of the samples' type in a file, and codes that segyio reads; it takes others for IBM's floats.
 FORMAT_AT, FORMATS = 3224, (1, 2, 3, 5, 6, 8, 9, 10, 11, 12, 16)

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 __all__ = [
     "CHANNEL_COLORS",
     "FARTHEST",
+    "MAP_NODES",
+    "RISES",
     "SHOWS_THROUGH",
     "VIEWS",
     "Ablation",
@@ -49,6 +51,9 @@ __all__ = [
     "is_point",
     "label_color",
     "light_step",
+    "map_colors",
+    "map_is_diverging",
+    "map_nodes",
     "normals_of_faces",
     "optional_number",
     "orbit_axes",
@@ -58,6 +63,7 @@ __all__ = [
     "render",
     "render_standard",
     "rgb_bytes",
+    "rise_nodes",
     "samples_for",
     "sin_cos_deg",
     "smallest_budget",
@@ -78,6 +84,10 @@ SHOWS_THROUGH: float
 FARTHEST: float
 #: Azimuth and elevation, degrees, of the named views.
 VIEWS: dict[str, tuple[float, float]]
+#: Colours of a map that is even.
+MAP_NODES: int
+#: Names of curves of opacity.
+RISES: list[str]
 #: Conventional colours of channels that have none.
 CHANNEL_COLORS: list[tuple[float, float, float]]
 
@@ -651,6 +661,14 @@ def channel_color(
 def distinct_colors(
     wanted: Sequence[tuple[float, float, float] | None], own: Sequence[tuple[float, float, float] | None]
 ) -> list[tuple[float, float, float]]: ...
+def map_colors(name: str) -> NDArray[np.float64] | None: ...
+def map_is_diverging(name: str) -> bool | None: ...
+def map_nodes(
+    places: NDArray[np.float64], colors: NDArray[np.float64], range: tuple[float, float, bool, float]
+) -> list[tuple[float, float, float, float]]: ...
+def rise_nodes(
+    name: str | None, numbers: Sequence[float], range: tuple[float, float, bool, float]
+) -> list[tuple[float, float]] | None: ...
 def encode_png(rgba: NDArray[np.float32], bits: int) -> bytes: ...
 def straight_bytes(rgba: NDArray[np.float32]) -> bytes: ...
 def rgb_bytes(rgba: NDArray[np.float32], paper: Sequence[float]) -> bytes: ...

@@ -112,7 +112,7 @@ const BESIDE_NUMBERS: [&str; 36] = [
 /// Colours that differ by less in every share count as the same.
 const SAME_COLOR: f64 = 0.1;
 
-/// Statements of a file about one of its channels.
+/// A channel as a file describes it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ChannelFacts<'a> {
     /// Its name, "" where there is none.

@@ -11,4 +11,7 @@
 //! ```
 
 pub mod channel_colors;
+pub mod colormaps;
 pub mod colors;
+mod map_tables;
+mod numbers;

@@ -1,7 +1,7 @@
 //! Camera, transfer function and shading as Python passes them.
 
 use glam::DVec3;
-use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use wavesplat::{
     Camera, ColorNode, Error, Gradient, GradientNode, Light, LightFrame, OpacityNode, Projection, Shading,
@@ -204,4 +204,10 @@ impl PyAblation {
         ablation.validate().map_err(to_py)?;
         Ok(Self(ablation))
     }
+}
+
+/// An array with a row for each item.
+pub fn rows<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]]) -> Bound<'py, PyArray2<f64>> {
+    let array = PyArray1::from_slice(py, rows.as_flattened());
+    numpy::PyArrayMethods::reshape(&array, [rows.len(), N]).expect("as many numbers as rows have")
 }

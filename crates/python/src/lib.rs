@@ -45,7 +45,9 @@ mod _native {
     #[pymodule_export]
     use crate::lazy::{PyLazyVolume, PySurvey, light_step, samples_for};
     #[pymodule_export]
-    use crate::look::{channel_color, distinct_colors, label_color};
+    use crate::look::{
+        channel_color, distinct_colors, label_color, map_colors, map_is_diverging, map_nodes, rise_nodes,
+    };
     #[pymodule_export]
     use crate::reference::{raycast, splat_literal};
     #[pymodule_export]
@@ -82,6 +84,9 @@ mod _native {
         module.add("SHOWS_THROUGH", wavesplat::SHOWS_THROUGH)?;
         module.add("FARTHEST", wavesplat::view::FARTHEST)?;
         module.add("CHANNEL_COLORS", wavesplat::look::channel_colors::CHANNEL_COLORS.map(<(f64, f64, f64)>::from))?;
+        module.add("MAP_NODES", wavesplat::look::colormaps::N_NODES)?;
+        let rises = wavesplat::look::colormaps::Rise::NAMED.map(|(name, _)| name);
+        module.add("RISES", rises)?;
         let views = wavesplat::view::VIEWS.map(|(name, azimuth, elevation)| (name, (azimuth, elevation)));
         module.add("VIEWS", views.into_py_dict(module.py())?)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))

@@ -5,7 +5,7 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use wavesplat::view::{self, Axes, CameraPath, Fit, InView, Lens, Pose, Turn};
 
-use crate::arguments::{Triple, vector};
+use crate::arguments::{Triple, rows, vector};
 use crate::errors::to_py;
 
 /// Position, focal point and up, then `parallel_scale` or `view_angle`.
@@ -39,11 +39,6 @@ fn points(rows: &PointArray<'_>) -> Vec<DVec3> {
 fn axes(rows: &PointArray<'_>) -> Axes {
     let [right, up, back] = points(rows)[..] else { unreachable!("three rows") };
     Axes { right, up, back }
-}
-
-fn rows<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]]) -> Bound<'py, PyArray2<f64>> {
-    let array = PyArray1::from_slice(py, rows.as_flattened());
-    numpy::PyArrayMethods::reshape(&array, [rows.len(), N]).expect("as many numbers as rows have")
 }
 
 fn rows_of_axes(py: Python<'_>, Axes { right, up, back }: Axes) -> Bound<'_, PyArray2<f64>> {

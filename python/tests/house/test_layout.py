@@ -77,7 +77,7 @@ ROOMS = {
     "crates/wavelet/src": ["family", "error", "transform", "volume"],
     "crates/lod/src": ["sample_box", "probe_rays", "level_brightness", "level_histogram", "level_transfer_function"],
     "crates/files/src": ["length_units", "stored", "error", "nifti", "nrrd"],
-    "crates/look/src": ["colors", "channel_colors"],
+    "crates/look/src": ["numbers", "colors", "channel_colors", "map_tables", "colormaps"],
     "crates/view/src": ["rotation", "lens", "named", "pose", "path", "fit", "turn"],
     "crates/document/src": ["node", "error", "fields", "camera"],
     "crates/wavesplat/src": [

@@ -7,7 +7,6 @@ import pytest
 from tiff_pixels import tiff_pixels
 
 import wavesplat as ws
-from wavesplat._looks.curves import colormaps
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
 #: Entries of a colour table of 256 at which the colours below, 0..255, are those of matplotlib 3.11.
@@ -125,11 +124,6 @@ def test_mistakes(arguments, complaint):
         warnings.simplefilter("ignore", WavesplatWarning)
         with pytest.raises(ArgumentError, match=complaint):
             ws.TransferFunction.from_colormap("viridis", **arguments)
-
-
-def test_every_opacity_rises_from_0_to_1():
-    for rise in colormaps.OPACITIES.values():
-        np.testing.assert_allclose(rise(np.array([0.0, 1.0])), [0, 1], atol=1e-12)
 
 
 # The command line

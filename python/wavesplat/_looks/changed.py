@@ -130,7 +130,7 @@ def bent(function: TransferFunction, gamma: float) -> TransferFunction:
 
 def _with_opacity(function: TransferFunction, opacity: Any) -> TransferFunction:
     low, high = _window_of(function)
-    nodes = colormaps.opacity_nodes(opacity, lambda places: low + places * (high - low))
+    nodes = colormaps.opacity_nodes(opacity, (low, high, False, 1.0))
     return TransferFunction(nodes, function.color, function.opacity_unit, function.gradient_opacity)
 
 

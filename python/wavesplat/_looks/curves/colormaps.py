@@ -1,13 +1,12 @@
 """Transfer functions from colour maps by name: those of matplotlib, cmocean, ColorBrewer, Crameri, napari and others.
 
-The maps come from the package `cmap`. Where several collections have a map of a name, matplotlib's is meant.
-A value's place is (value - low) / (high - low), or the same of the logarithms, to the power of gamma; colour and
-opacity depend on the place. Maps have 256 nodes, as matplotlib's tables have, so colours agree with these.
+The maps that looks use come from `crates/look`, which also spreads a map over a range (`colormaps.rs`); all others from
+the package `cmap`. Where several collections have a map of a name, matplotlib's is meant.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from difflib import get_close_matches
 from functools import cache
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
 from wavesplat._looks.curves.transfer_function import TransferFunction
 from wavesplat._looks.curves.value_scale import End, values_of
 from wavesplat._system.threads import warn
@@ -29,22 +29,13 @@ if TYPE_CHECKING:
 Array: TypeAlias = NDArray[np.float64]
 Opacity: TypeAlias = str | float | Iterable[float] | Iterable[tuple[float, float]]
 
-#: Entries of matplotlib's tables.
-N_NODES = 256
-#: Steepness of the sigmoid: from a tenth to nine tenths in 37 % of the range.
-STEEPNESS = 12.0
+#: Values of the first and the last colour, whether places are even in the logarithm, and gamma.
+Range: TypeAlias = tuple[float, float, bool, float]
+
 #: Largest number of names that are offered for an unknown one.
 N_OFFERED = 6
-
-
-def _sigmoid(place: Array) -> Array:
-    low, high = (1 / (1 + np.exp(STEEPNESS * side)) for side in (0.5, -0.5))
-    risen: Array = (1 / (1 + np.exp(-STEEPNESS * (place - 0.5))) - low) / (high - low)
-    return risen
-
-
-#: Opacity by place, both 0..1.
-OPACITIES: dict[str, Callable[[Array], Array]] = {"linear": lambda place: place, "sigmoid": _sigmoid, "sqrt": np.sqrt}
+#: Names of curves of opacity, for messages.
+_NAMES = ", ".join(_native.RISES)
 
 
 def transfer_function(
@@ -60,14 +51,9 @@ def transfer_function(
     """See `TransferFunction.from_colormap`."""
     positive(gamma, "gamma", "a positive number, 1 changes nothing")
     low, high = _limits(volume, clim, log=log)
-    places, colors = colors_of(name)
-
-    def values_at(places: Array) -> Array:
-        parts = places ** (1 / gamma)
-        return low * (high / low) ** parts if log else low + parts * (high - low)
-
-    color = [(float(value), *rgb) for value, rgb in zip(values_at(places), colors.tolist(), strict=True)]
-    return TransferFunction(opacity_nodes(opacity, values_at), color, opacity_unit)
+    over = (low, high, log, gamma)
+    color = _native.map_nodes(*colors_of(name), over)
+    return TransferFunction(opacity_nodes(opacity, over), color, opacity_unit)
 
 
 def _limits(volume: Volume | WaveletVolume | None, clim: Iterable[End] | None, *, log: bool) -> tuple[float, float]:
@@ -105,47 +91,45 @@ def _warn_of_what_has_no_logarithm(volume: Volume | WaveletVolume) -> None:
 
 def colors_of(name: str) -> tuple[Array, Array]:
     """Places, 0..1, and the colours there, shape (n, 3); maps of categories become steps."""
+    if (colors := _native.map_colors(name)) is not None:
+        return _even_places(), colors
     import cmap
 
     colormap = cmap.Colormap(_found(name))
     if colormap.interpolation == "nearest":
         n = len(colormap.color_stops)
         places = np.repeat(np.arange(n + 1) / n, 2)[1:-1]
-        colors = colormap((np.arange(n) + 0.5) / n)
-        return places, np.repeat(np.asarray(colors, dtype=np.float64)[:, :3], 2, axis=0)
-    places = np.arange(N_NODES) / (N_NODES - 1)
+        steps: Array = colormap((np.arange(n) + 0.5) / n)
+        return places, np.repeat(np.asarray(steps, dtype=np.float64)[:, :3], 2, axis=0)
+    places = _even_places()
     return places, np.clip(np.asarray(colormap(places), dtype=np.float64)[:, :3], 0, 1)
+
+
+def _even_places() -> Array:
+    return np.arange(_native.MAP_NODES) / (_native.MAP_NODES - 1)
 
 
 def is_diverging(name: str) -> bool:
     """Whether a map has a middle that its colours part from, as for values of two signs."""
+    if (known := _native.map_is_diverging(name)) is not None:
+        return known
     import cmap
 
     return bool(cmap.Colormap(_found(name)).category == "diverging")
 
 
-def opacity_nodes(opacity: Any, values_at: Callable[[Array], Array]) -> list[tuple[float, ...]]:
-    """Nodes of a curve of opacity: by name, a number, numbers over the range, or nodes.
-
-    values_at : the value at a place in the range, 0..1.
-    """
-    places = np.arange(N_NODES) / (N_NODES - 1)
+def opacity_nodes(opacity: Any, over: Range) -> list[tuple[float, ...]]:
+    """Nodes of a curve of opacity over a range: by name, a number, numbers over the range, or nodes."""
     if isinstance(opacity, str):
-        if opacity not in OPACITIES:
+        if (named := _native.rise_nodes(opacity, (), over)) is None:
             raise ArgumentError(
-                f"opacity is {opacity!r}; give {', '.join(OPACITIES)}, a number, numbers over clim, or (value, alpha)"
+                f"opacity is {opacity!r}; give {_NAMES}, a number, numbers over clim, or (value, alpha)"
             )
-        return _nodes(values_at(places), OPACITIES[opacity](places))
+        return list(named)
     table = _table(opacity)
     if table.ndim == 2:
         return [tuple(node) for node in table.tolist()]
-    if table.size == 1:
-        return _nodes(values_at(places[:1]), table)
-    return _nodes(values_at(places), np.interp(places, np.linspace(0, 1, table.size), table))
-
-
-def _nodes(values: Array, alphas: Array) -> list[tuple[float, ...]]:
-    return list(zip(values.tolist(), alphas.tolist(), strict=True))
+    return list(_native.rise_nodes(None, table.tolist(), over) or ())
 
 
 def _table(opacity: Any) -> Array:
@@ -157,8 +141,7 @@ def _table(opacity: Any) -> Array:
         table = np.empty(0)
     if not table.size or table.ndim > 2 or (table.ndim == 2 and table.shape[1] != 2):
         raise ArgumentError(
-            f"opacity is {described(opacity)}; give {', '.join(OPACITIES)}, a number 0..1, such numbers, "
-            "or (value, alpha)"
+            f"opacity is {described(opacity)}; give {_NAMES}, a number 0..1, such numbers, or (value, alpha)"
         )
     return table
 

@@ -36,7 +36,7 @@ pub enum GpuProjection {
     Minimum,
     /// Greatest density, dimmed by depth.
     DepthShaded,
-    /// Greatest density, dimmed by what is in front.
+    /// Greatest density, dimmed by the matter in front.
     Attenuated,
     /// Integral of the density's excess over a level.
     XRay,

@@ -195,7 +195,7 @@ def _words_that_differ(one: str, other: str) -> list[str]:
 def _filled(option: str, text: str, places: dict[str, str]) -> str:
     """The text with words in braces replaced by their values; an `ArgumentError` for an unknown word."""
     known = {**dict.fromkeys(OF_PLATES, ""), **places}
-    # Braces in the names of folders are theirs.
+    # Braces in the names of folders are no placeholders.
     unknown = next((word for word in WORD.findall(Path(text).name) if word not in known), None)
     if unknown is not None:
         near = get_close_matches(unknown, known, 1)

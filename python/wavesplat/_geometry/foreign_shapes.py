@@ -221,7 +221,7 @@ def napari_world(layer: Any, positions: NDArray[Any], n_times: int = 0) -> NDArr
     n_times : axes of times at the beginning, which are no places.
     """
     n = int(np.shape(positions)[1])
-    # napari keeps its transforms apart, and composes them itself: what it makes of the axes is what it makes of all.
+    # napari keeps its transforms apart, and composes them itself: the map of the axes gives the whole affine map.
     ends = np.array([layer.data_to_world(one) for one in np.vstack([np.zeros(n), np.eye(n)])], np.float64)
     world = positions @ (ends[1:] - ends[0]) + ends[0]
     axes = [axis for axis in (n - 1, n - 2, n - 3) if axis >= n_times]

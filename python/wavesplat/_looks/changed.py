@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 #: Parts of a segment between two nodes where curves become bent.
 N_PARTS = 8
-#: Share of white in what exposure makes of a channel's colour beyond 1: with all of it hues of mixtures turned by 9
+#: Share of white in a channel's colour where exposure takes it beyond 1: with all of it hues of mixtures turned by 9
 #: degrees, with half by 5.
 CHANNEL_WHITE = 0.5
 #: The values that factors may have, in messages.

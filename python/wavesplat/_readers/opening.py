@@ -289,7 +289,8 @@ IN_PARTS = {
     "tiff": "TIFF",
     "bioio_files": "a microscope's file",
 }
-#: Families whose samples lie in one file as they are, or else as one stream: its size gives theirs.
+#: Families whose samples lie in one file as they are, or else as one stream: the size of the file gives the size of the
+#: samples.
 UNCOMPRESSED = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
 
 

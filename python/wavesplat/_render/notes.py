@@ -123,8 +123,8 @@ def _is_transparent(curves: TransferFunction, low: float, high: float) -> bool:
 
 # Whether a picture of a CT shows a table that `_looks.body.table` leaves, so that a note can name what takes it out.
 #
-# On a thinned copy, what is denser than air is matter. Opening by a sample (erosion, then more dilation within it)
-# keeps what is thick, the body; a table, whose shells are thin, is what is left and shows. In the scans in hand that is
+# On a thinned copy, samples denser than air are matter. Opening by a sample (erosion, then more dilation within
+# it) keeps thick matter, the body; a table, whose shells are thin, is the rest and shows. In the scans in hand that is
 # 2.1 % of the body with a table, and 0.5 and 1.0 % without. It takes milliseconds, and no SciPy, which the finer
 # `_looks.body.largest_body` needs: a note is no cut.
 

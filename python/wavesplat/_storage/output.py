@@ -27,8 +27,8 @@ from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
 # Hidden files and folders beside an output, in which it is written until it is whole.
 #
-# A name holds the process and its machine: `.PID-NUMBER-MACHINE.part`. What a killed process left is removed by the
-# next output in that folder.
+# A name holds the process and its machine: `.PID-NUMBER-MACHINE.part`. Files that a killed process left are removed by
+# the next output in that folder.
 
 #: Numbers that distinguish files written at the same time.
 _NUMBERS = count()

@@ -132,7 +132,8 @@ def printable(name: str) -> str:
 
 # Names of volumes that were taken from files, and whether they may be a patient's.
 #
-# A name stays of this type wherever a volume hands its own on, so that what shows names knows which nobody gave.
+# A name stays of this type wherever a volume hands its own on, so that code which shows names knows that nobody gave
+# it.
 
 #: Name in place of a folder's.
 NAMELESS = "volume"

@@ -1,7 +1,7 @@
 //! The exact integral of the optical depth over sample values, `T(v) = ∫ −ln(1 − a)`, for opacity curves `a` that are
 //! linear between nodes.
 //!
-//! A table that adds up entries misses what is narrower than an entry, and one entry on a node of opacity 1, where the
+//! A table that adds up entries misses peaks narrower than an entry, and one entry on a node of opacity 1, where the
 //! logarithm is infinite, counts for the whole space to its neighbours. The integral has a closed form instead: with
 //! `u = 1 − a`, `∫ −ln u du = u − u ln u`, which is finite down to `u = 0`. So a peak that touches opacity 1 at one
 //! value weighs hardly more than one of 0.999. A range of values of opacity 1 is opaque however fast rays pass it: its

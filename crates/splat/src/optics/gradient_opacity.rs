@@ -189,7 +189,7 @@ impl Table {
             let [r, g, b, opacity] = joint.rgba(values.node(i % values.n), magnitudes.node(i / values.n));
             [r as f32, g as f32, b as f32, (-(-opacity).ln_1p()).min(OPAQUE_DEPTH) as f32]
         };
-        // The last entry twice: look-ups read the one after theirs too.
+        // The last entry twice: a look-up reads an entry and the next one.
         let last = values.n * magnitudes.n - 1;
         let entries = (0..=last).chain([last]).map(entry).collect();
         let scaled = |side: Side, (offset, scale): (f64, f64)| Side {

@@ -4,7 +4,7 @@
 //! each label. All that is needed of it is linear, so a handful of fields serve any number of labels:
 //!
 //! - `Σ c_l f_l`, what is left of the scan's optical depth (`f_l` its factor in label `l`);
-//! - `Σ c_l f_l t_l` and `Σ c_l f_l t_l rgb_l`, what is tinted of that (`t_l` the share of the tint);
+//! - `Σ c_l f_l t_l` and `Σ c_l f_l t_l rgb_l`, the tinted part of it (`t_l` the share of the tint);
 //! - `Σ c_l τ_l` and `Σ c_l τ_l rgb_l`, the optical depth and colour of the label medium.
 //!
 //! A segmentation is a staircase of samples; the linear kernel keeps the stairs, a blurring one smooths them.

@@ -1,8 +1,9 @@
 //! Optional per-texel terms: gradient opacity, colour by a second field, ambient occlusion and shadow, labels.
 //!
-//! Light: the colour is multiplied by the openness of the place, and what the first light adds by how much of it gets
-//! there ([`crate::optics::occlusion`]). Labels: of the scan's optical depth the share `Σ c_l f_l` is left, its colour
-//! is mixed with the colour of the labels that tint it, and labels with an opacity of their own add the medium
+//! Light: the colour is multiplied by the openness of the place, and the first light's part by the share of this light
+//! that gets there ([`crate::optics::occlusion`]). Labels: of the scan's optical depth the share `Σ c_l f_l` is left,
+//! its colour is mixed with the colour of the labels that tint it, and labels with an opacity of their own add the
+//! medium
 //! `Σ c_l τ_l`, with `c_l` the coverage of label `l` ([`crate::optics::labels`]).
 
 use wavesplat_compute::simd::Wide;
@@ -93,7 +94,7 @@ impl Modifiers {
     pub fn tint<W: Wide>(&self, w: W, rgb: [W::F; 3], point: &FieldPoint<W>) -> [W::F; 3] {
         let Some(labels) = &self.labels else { return rgb };
         let Some(tint) = labels.tint else { return rgb };
-        // Tints relative to what labels leave of the scan.
+        // Tints relative to the share of the scan that labels leave.
         let of_scan = w.div(w.splat(1.0), w.max(self.left_by_labels(w, point), w.splat(LEAST)));
         let kept = w.sub(w.splat(1.0), w.mul(point.value(w, tint), of_scan));
         let mut tinted = rgb;

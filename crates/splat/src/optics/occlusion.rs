@@ -4,12 +4,12 @@
 //! transfer function on a coarse copy of the volume, as shares of light that get to its cells, and are fields of the
 //! picture ([`crate::sheet::field_sheets`]).
 //!
-//! A share is swept through the coarse volume slice by slice, as light travels: what leaves a slice is what got there
-//! times `exp(−τ ℓ)`, and the next slice gets it shifted by the slope of the light, just as sheets are sheared for the
-//! eye. The shadow is one sweep along the first light. The openness of a place is the mean over directions all around,
-//! with light that comes back over the distance `radius`, so that only what is near occludes, as in Hernell, Ljung,
-//! Ynnerman, *Local ambient occlusion in direct volume rendering* (2010). A flat face sees half of the directions: that
-//! counts as open.
+//! A share is swept through the coarse volume slice by slice, as light travels: the light that leaves a slice is the
+//! light that got there times `exp(−τ ℓ)`, and the next slice gets it shifted by the slope of the light, just as sheets
+//! are sheared for the eye. The shadow is one sweep along the first light. The openness of a place is the mean over
+//! directions all around, with light that comes back over the distance `radius`, so that only what is near occludes, as
+//! in Hernell, Ljung, Ynnerman, *Local ambient occlusion in direct volume rendering* (2010). A flat face sees half of
+//! the directions: that counts as open.
 
 use glam::DVec3;
 use wavesplat_compute::parallel;

@@ -129,7 +129,7 @@ impl Classifier {
     }
 }
 
-/// Number of ends of the parts of a slab of several layers: what lies in one part hides what is in the next.
+/// Number of ends of the parts of a slab of several layers: matter in one part hides matter in the next.
 pub const N_CUTS: usize = 3;
 
 /// Visible part of a segment between two densities, and optical depths of parts of it.

@@ -76,7 +76,7 @@ struct WorldLight {
 /// Relative rounding of differences: densities are f32 sums of a few products.
 const GRADIENT_NOISE: f64 = 4e-6;
 
-/// Factors of a colour in even light: what [`Shader::shade`] gives matter without a gradient.
+/// Factors of a colour in even light, as [`Shader::shade`] gives them to matter without a gradient.
 pub fn even_light(shading: &Shading) -> [f32; 3] {
     [0, 1, 2].map(|c| {
         let sum: f32 = shading.lights.iter().map(|light| light.rgb[c]).sum();

@@ -1,8 +1,8 @@
 //! Bicubic resampling of a base plane between its texels.
 //!
-//! The filter is the Catmull-Rom cubic (Keys 1981), which keeps what the base plane resolves, clamped to the texels
-//! around the position so that edges do not ring, and to the brightest colour that its opacity can have. Where nothing
-//! was drawn, nothing is read: a summed-area table (Crow 1984) counts the cells that were drawn in.
+//! The filter is the Catmull-Rom cubic (Keys 1981), which keeps the details that the base plane resolves, clamped to
+//! the texels around the position so that edges do not ring, and to the brightest colour that its opacity can have.
+//! Where nothing was drawn, nothing is read: a summed-area table (Crow 1984) counts the cells that were drawn in.
 
 use std::ops::Range;
 

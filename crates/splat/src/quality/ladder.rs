@@ -70,7 +70,7 @@ const USUAL_SPREAD_DB: f64 = 6.0;
 const SPREAD_PER_RUNG_DB: f64 = 0.5;
 const COMPARISON_SPREAD_DB: f64 = 0.6;
 
-/// Decibels that a rung may be worse than the best one and still be as good, where none reaches what is wanted.
+/// Decibels that a rung may be worse than the best one and still be as good, where none reaches the wanted PSNR.
 const AS_GOOD_DB: f64 = 0.5;
 
 /// A rung that is expected to fall short by no more than this is measured before it is left out.

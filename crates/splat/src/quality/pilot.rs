@@ -6,7 +6,7 @@
 //! the tiles' errors, each divided by the tile's probability: a tile that is chosen one time in ten stands for ten, so
 //! the sum is right on average (Horvitz & Thompson 1952). The spread among the tiles gives its uncertainty.
 //!
-//! A tile is a square of a base plane: with 1.5 texels a pixel, what its pixels read fits into a vector of texels, so
+//! A tile is a square of a base plane: with 1.5 texels a pixel, the texels that its pixels read fit into one vector, so
 //! that little is drawn besides.
 //!
 //! Errors are mean square errors of the colours over black, peak 1, of the whole picture.

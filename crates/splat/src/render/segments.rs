@@ -13,8 +13,8 @@ use crate::ray::project::{absorbed_of, dimmed};
 use crate::ray::state::TileState;
 use crate::render::plan::{Operator, Plan};
 
-/// Whether segments of a plan can be folded: not if its operator must know what is in front of a segment, as it must
-/// where surfaces of shapes are counted from the eye.
+/// Whether segments of a plan can be folded: not if its operator must know the matter in front of a segment, as it
+/// must where surfaces of shapes are counted from the eye.
 pub fn can_fold(plan: &Plan) -> bool {
     match plan.operator {
         Operator::Over { .. } => !plan.with_depth && plan.shapes.is_none(),

@@ -57,7 +57,7 @@ pub struct SurfacePart {
     pub side: Crossing,
     /// Number of the solid.
     pub solid: u32,
-    /// Whether it lies behind the eye, and counts only for what else is part of the solid.
+    /// Whether it lies behind the eye, and counts only for the other parts of the solid.
     pub is_hidden: bool,
     /// Parts of the ray that it hides where it is opaque.
     pub covering: Covering,

@@ -59,7 +59,7 @@ pub enum Crossing {
 /// Number of solids of which nothing else is part.
 pub const ALONE: u32 = u32::MAX;
 
-/// A place where a shape was met, before it is known what is in front.
+/// A place where a shape was met, before the matter in front is known.
 #[derive(Clone, Copy, Debug)]
 pub struct Meeting {
     /// Number of the texel within the band, row by row.
@@ -70,7 +70,7 @@ pub struct Meeting {
     pub rgb: [f32; 3],
     /// Normal in the world; zero where no light shines on it.
     pub normal: Vec3,
-    /// Opacity of the surface; 0 where it counts only for what else is part of the solid.
+    /// Opacity of the surface; 0 where it counts only for the other parts of the solid.
     pub alpha: f32,
     /// Covered places of the texel.
     pub mask: Mask,
@@ -251,7 +251,7 @@ fn add_ray(meetings: &[Meeting], all: &mut Vec<Meeting>) -> bool {
             last.normal += (meeting.normal - last.normal) * part;
             // The place stays the first meeting's: later meetings are compared with it.
             taken = sum;
-            // Fragments at one place act as one that takes what all take, of the light in front of the first.
+            // Fragments at one place act as one with their joint opacity, relative to the light in front of the first.
             last.alpha = (taken / before).min(1.0);
         } else {
             (before, taken) = (left, share);

@@ -17,7 +17,7 @@ use crate::view::region::Region;
 /// Rows of texels of a band.
 const BAND_ROWS: usize = 8;
 
-/// Fragments of shapes on a base plane. `region`: what clip planes and crop leave.
+/// Fragments of shapes on a base plane. `region`: space left by clip planes and crop.
 pub fn fragments_of(simd: Level, view: &PlaneView, shapes: &Shapes, region: &Region, light: &ShapeLight) -> Fragments {
     let placed = on_plane(shapes, view);
     let [n_u, n_v] = view.plane.size;

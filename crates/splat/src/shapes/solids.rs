@@ -103,8 +103,8 @@ impl<'a> TubesOnPlane<'a> {
 }
 
 /// Pieces of paths: numbers of both positions, and of the path's solid. A path of one position has one piece, from
-/// there to there. The nearest paths come first, each from its nearer end on: so what hides others is mostly drawn
-/// before them. `place`: of a position, along the ray.
+/// there to there. The nearest paths come first, each from its nearer end on: so pieces that hide others are mostly
+/// drawn before them. `place`: of a position, along the ray.
 pub fn pieces_of(paths: &Paths, first_solid: u32, place: impl Fn(u32) -> f32) -> Vec<[u32; 3]> {
     let nearest = |ends: &[u32]| (ends[0]..ends[1]).map(&place).fold(f32::INFINITY, f32::min);
     let mut order: Vec<(f32, usize)> = paths.starts.windows(2).map(nearest).zip(0..).collect();
@@ -372,7 +372,7 @@ impl<const BALL: bool> CapsuleRays<BALL> {
         [enter, leave, leave & !enter]
     }
 
-    /// [`Self::meet`] at all places of a texel. What only depends on the way is worked out once where rays are
+    /// [`Self::meet`] at all places of a texel. Terms that only depend on the way are worked out once where rays are
     /// `PARALLEL`.
     #[inline(always)]
     fn meet_all<const PARALLEL: bool>(&self, middle: [f32; 3], way: [f32; 3]) -> [[f32; N]; 2] {

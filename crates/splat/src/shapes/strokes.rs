@@ -224,7 +224,7 @@ fn draw_stroke(ends: [Placed; 2], half_px: f64, canvas: &mut Canvas, mut with: i
             // A share of the way in the picture is another one in the world, where the ends are not equally far.
             let [a, b] = [(1.0 - share) / ends[0].ahead, share / ends[1].ahead];
             let along = b / (a + b);
-            // At the ends it is theirs to the bit, which the next piece has, too.
+            // At an end it equals the end's `s` to the bit, as in the next piece.
             let s = (1.0 - along) * ends[0].s + along * ends[1].s;
             with(canvas, StrokeHit { texel: [i, j], at: [i as f32 + u, j as f32 + v], mask, s, along });
         }

@@ -32,7 +32,7 @@ pub struct Rays {
     outer_entries: Vec<Lanes>,
     /// Rays that draw nothing, as bits.
     missed: Vec<u16>,
-    /// Rays that draw nothing of what they are cut to, as bits.
+    /// Rays that draw nothing of the segment that they are cut to, as bits.
     idle: Vec<u16>,
     /// Directions by chunk; a single entry where rays are parallel.
     directions: Vec<Directions>,
@@ -236,7 +236,7 @@ impl Rays {
         self.last_exit.get(chunk.index()).is_some_and(|last| *last <= s)
     }
 
-    /// Clips the rays of a chunk to what lies between two places each. Returns what [`Rays::restore`] needs.
+    /// Clips each ray of a chunk to the segment between two places. Returns the state that [`Rays::restore`] needs.
     #[inline(always)]
     pub fn cut(&mut self, chunk: Chunk, [from, to]: [&Lanes; 2]) -> ([Lanes; 2], [f32; 2]) {
         let (interval, common) = (&mut self.intervals[chunk.index()], &mut self.common[chunk.index()]);

@@ -57,8 +57,8 @@ pub struct VolumeBox<'a> {
 
 /// Box of the samples that the densities, or spline coefficients, of the box `reached` are computed from.
 ///
-/// It adds what the fill of non-finite samples and the prefilter need around `reached` for the same values as in the
-/// whole volume.
+/// It adds the margin that the fill of non-finite samples and the prefilter need around `reached` for the same values
+/// as in the whole volume.
 pub fn needed_samples(reached: &[Range<usize>; 3], grid: &Grid, kernel: Kernel) -> [Range<usize>; 3] {
     let size = grid.size();
     [0, 1, 2].map(|a| {

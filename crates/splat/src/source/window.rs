@@ -142,8 +142,8 @@ pub struct SumRows<'a> {
     pub n_rows: usize,
 }
 
-/// Writes `out = Σ weight · density` over slices whose samples are contiguous along a row. `starts` returns where those
-/// of a slice begin, `lines` what is added to that in a row. `soon`: a slice that is combined soon; each of its rows is
+/// Writes `out = Σ weight · density` over slices whose samples are contiguous along a row. `starts` returns where the
+/// samples of a slice begin, `lines` the offset of a row. `soon`: a slice that is combined soon; each of its rows is
 /// prefetched while the same row of the taps is summed.
 #[inline(always)]
 pub fn sum_slices<T: Copy>(

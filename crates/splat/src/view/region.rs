@@ -105,7 +105,7 @@ impl Region {
         region
     }
 
-    /// The region without the walls of the volume: what crop and clip planes leave of all space.
+    /// The region without the walls of the volume: the space that crop and clip planes leave.
     #[must_use]
     pub fn without_box(&self) -> Self {
         Self { half_spaces: self.half_spaces[N_BOX_WALLS..].to_vec(), bounds: self.bounds }

@@ -330,7 +330,7 @@ impl RayColor {
         self.transmittance *= 1.0 - opacity;
     }
 
-    /// Whether what lies behind cannot be seen.
+    /// Whether matter farther along the ray cannot be seen.
     fn is_used_up(&self) -> bool {
         self.transmittance < TRANSPARENT
     }

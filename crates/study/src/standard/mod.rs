@@ -4,7 +4,7 @@
 //! Every sample is classified and shaded first, with its own value, the central difference of its neighbours, and the
 //! opacity of a slab one slice distance thick. Its associated colour and its opacity are then splatted with a footprint
 //! into a sheet buffer, and the sheet buffers are composited with *over*, front to back. It is fast and simple, and it
-//! is what the method of `wavesplat_splat` is judged against: colours are blended after classification, so edges blur,
+//! is the technique that `wavesplat_splat` is compared with: colours are blended after classification, so edges blur,
 //! and what a kernel spreads across a surface was coloured before it was known to be a surface.
 //!
 //! Two sheet buffers ([`Buffer`]):

@@ -87,7 +87,7 @@ def annotated(picture: Picture, options: FigureOptions, scene: Scene, *, quiet: 
 
         first = scene.layers[0].drawn
         of_patient = is_of_patient(first)
-        # Headers name a patient's axes and millimetres for what is none, too: these nobody measured.
+        # Headers name a patient's axes and millimetres for other things too: these nobody measured.
         is_measured = of_patient or not first.is_anatomical
         bars = bars or _bars_of_fields(picture, scene)
         is_marked = marked.letters or marked.cube or marked.axes

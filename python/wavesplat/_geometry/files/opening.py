@@ -44,7 +44,7 @@ READERS: dict[str, tuple[str, Callable[[Asked], ReadShape]]] = {
 }
 OF_FREESURFER = ("a surface of FreeSurfer", brain_surfaces.read_freesurfer)
 SUFFIXES = tuple(READERS)
-#: Advice on rows of a neuron, which are text: what is wrong with them is said, and no bytes need be missing.
+#: Advice on rows of a neuron, which are text: the message names the fault, and no bytes need be missing.
 OF_NEURONS = "mend the rows, or export the neuron again"
 #: Parts of file names that say nothing of the values, and known names of values; others may be a patient's name.
 OF_BRAINS = re.compile(r"^[lr]h\.|(\.(shape|func|gii|txt))+$")

@@ -39,7 +39,8 @@ OPENING_SAMPLES = 2.0
 #: Distance of the samples that are looked at, millimetres, and largest number of them.
 COARSE_MM = 3.0
 N_SAMPLES_MAX = 4_000_000
-#: Shares of the largest part from which another belongs to the body, and below which what was cut off is no table.
+#: Shares of the largest part from which another belongs to the body, and below which a part that was cut off is no
+#: table.
 MIN_PART, LARGEST_BIT = 0.2, 0.002
 #: Least share of a body and what it encloses that opening leaves; where less is left, it cut off walls of the body.
 #: Hounsfield units show fat as well, so there walls are thick, and it may have been a large table.

@@ -35,7 +35,7 @@ AIR_HU, EMPTY_HU = -400.0, -1000.0
 SAMPLE_MM, PLACE_MM, SLICE_MM = 1.7, 3.4, 4.0
 #: Largest number of slices that are looked at.
 N_SLICES = 100
-#: Places that erosion takes on either side: what is thinner than twice that and one, 15 mm, is thin.
+#: Places that erosion takes on either side: matter thinner than twice that and one, 15 mm, is thin.
 N_ERODED = 2
 #: Least share of the slices that have something thin at a place of a table.
 MIN_SLICES = 0.7
@@ -48,7 +48,7 @@ MAX_ENCLOSED = 0.1
 #: Least share of all matter but the table that is thick. (Patients: 0.95 and more; dry bones and hollow phantoms: below
 #: 0.5.)
 MIN_THICK = 0.6
-#: Largest share of what is thick that may lie below a table, such as its mechanics.
+#: Largest share of the thick matter that may lie below a table, such as its mechanics.
 MAX_BELOW = 0.02
 #: Largest section of a part at the end of a table that belongs to it, mm2, and least share of the slices, weighted by
 #: itself, that have it: arms and hands are larger, and change from slice to slice.

@@ -91,7 +91,7 @@ LONGEST_NAME = 24
 def canonical(text: object) -> str | None:
     """Our name of a unit that a file names ("Micrometers", "µm"); one that is unknown as it is; None where none is."""
     name = str(text or "").strip().strip("\0").strip()
-    # ImageJ writes what is not ASCII as an escape of Java.
+    # ImageJ writes letters beyond ASCII as escapes of Java.
     name = name.replace("\\u00B5", "µ").replace("\\u00b5", "µ").replace("\\u03BC", "μ").replace("\\u00C5", "Å")
     folded = name.lower().replace("metre", "meter")
     if folded in NONE:

@@ -231,7 +231,7 @@ def _order(
 def _of_image(dataset: Dataset) -> dict[str, list[Any]]:
     """Values in Siemens' image header (CSA) by name; empty if it is missing or cannot be read."""
     with warnings.catch_warnings():
-        # Of nibabel: that its readers of DICOM are new, and of what it finds in damaged headers.
+        # nibabel warns that its readers of DICOM are new, and about damaged headers.
         warnings.simplefilter("ignore")
         from nibabel.nicom import csareader
 

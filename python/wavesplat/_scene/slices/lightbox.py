@@ -254,11 +254,11 @@ def lightbox(
         panels.append(
             {"plane": one if isinstance(one, str) else "oblique", "position": picture.report["position"], **placed}
         )
-    # What belongs to one slice alone: a sheet has no place in the world.
+    # Fields of a single slice: a sheet has no place in the world.
     for name in ("position", "origin", "normal", "right", "down", "letters"):
         report.pop(name, None)
     report["size"], report["panels"] = [sheet.shape[1], sheet.shape[0]], panels
-    # What only some of the slices lack is no news; what all of them say is.
+    # A note is kept where all slices have it.
     if notes := [note for note in notes_of_each[0] if all(note in other for other in notes_of_each)]:
         report["notes"] = notes
     return Picture(sheet, report=Report(report))

@@ -145,7 +145,7 @@ def label_statistics(state: ViewerState) -> list[dict[str, Any]]:
         )
     on_scan = labels.on_samples_of(volume)
     looks = [on_scan.labels.get(number) for number in on_scan.numbers]
-    # What lies outside of all labels has the number 0, and mostly no look.
+    # Samples outside of all labels have the number 0, and mostly no look.
     wanted = np.array([number != 0 or look is not None for number, look in zip(on_scan.numbers, looks, strict=True)])
     found = values_of_labels(on_scan._codes, np.asarray(volume.samples), wanted)
     voxel = abs(float(np.linalg.det(volume.world_from_index[:3, :3])))

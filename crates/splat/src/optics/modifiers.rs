@@ -3,8 +3,7 @@
 //! Light: the colour is multiplied by the openness of the place, and the first light's part by the share of this light
 //! that gets there ([`crate::optics::occlusion`]). Labels: of the scan's optical depth the share `Σ c_l f_l` is left,
 //! its colour is mixed with the colour of the labels that tint it, and labels with an opacity of their own add the
-//! medium
-//! `Σ c_l τ_l`, with `c_l` the coverage of label `l` ([`crate::optics::labels`]).
+//! medium `Σ c_l τ_l`, with `c_l` the coverage of label `l` ([`crate::optics::labels`]).
 
 use wavesplat_compute::simd::Wide;
 

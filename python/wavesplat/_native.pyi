@@ -47,6 +47,7 @@ __all__ = [
     "gpu_count",
     "gpu_memory",
     "gpu_settle",
+    "in_one_unit",
     "is_number",
     "is_point",
     "label_color",
@@ -62,6 +63,7 @@ __all__ = [
     "raycast",
     "render",
     "render_standard",
+    "reported_unit",
     "rgb_bytes",
     "rise_nodes",
     "samples_for",
@@ -74,6 +76,10 @@ __all__ = [
     "turn_around",
     "turn_in_place",
     "turn_in_view",
+    "unit_factor",
+    "unit_guesses",
+    "unit_metres",
+    "unit_name",
     "view_angles",
 ]
 
@@ -653,6 +659,14 @@ def gpu_check(name: str) -> dict[str, Any]: ...
 def gpu_memory(n_bytes: int | None) -> int: ...
 def gpu_count(counts: bool) -> None: ...
 def gpu_settle() -> None: ...
+def unit_name(text: str) -> str | None: ...
+def unit_metres(unit: str | None) -> float | None: ...
+def reported_unit(unit: str) -> str: ...
+def unit_factor(own: str | None, wanted: str | None) -> float | None: ...
+def in_one_unit(
+    units: tuple[str | None, str | None, str | None],
+) -> tuple[str | None, tuple[float, float, float]]: ...
+def unit_guesses(units: tuple[str | None, str | None, str | None]) -> list[str]: ...
 def label_color(place: int) -> tuple[float, float, float]: ...
 def channel_color(
     facts: tuple[str, tuple[float, float, float] | None, float | None],

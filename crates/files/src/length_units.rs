@@ -30,7 +30,7 @@ const FOREIGN: [(&str, f64, &str); 12] = [
 ];
 
 /// Other names in files, in lower case, and our names.
-const NAMES: [(&str, &str); 31] = [
+const NAMES: [(&str, &str); 29] = [
     ("megameter", "Mm"),
     ("kilometer", "km"),
     ("hectometer", "hm"),
@@ -60,8 +60,6 @@ const NAMES: [(&str, &str); 31] = [
     ("mil", "thou"),
     ("li", "line"),
     ("pt", "point"),
-    ("\\u00b5m", "um"), // as ImageJ writes what is not ASCII
-    ("\\u03bcm", "um"),
 ];
 
 /// Names in files that mean no unit.
@@ -80,18 +78,24 @@ const NONE: [&str; 12] = [
     "index",
 ];
 
-const LONGEST_NAME: usize = 24;
+/// Longest name of a unit, in letters.
+pub const LONGEST_NAME: usize = 24;
+
+/// Escapes of `ImageJ` for letters that are not ASCII, and the letters.
+const ESCAPES: [(&str, &str); 4] =
+    [("\\u00B5", "\u{b5}"), ("\\u00b5", "\u{b5}"), ("\\u03BC", "\u{3bc}"), ("\\u00C5", "\u{c5}")];
 
 /// Our name of a unit that a file names ("Micrometers", "µm"); one that is unknown as it is; none where none is named.
-pub(crate) fn canonical(text: &str) -> Option<String> {
-    let name = text.trim().trim_matches('\0').trim();
+pub fn canonical(text: &str) -> Option<String> {
+    let trimmed = trim(trim(text).trim_matches('\0'));
+    let name = ESCAPES.iter().fold(trimmed.to_owned(), |name, (escape, letter)| name.replace(escape, letter));
     let folded = name.to_lowercase().replace("metre", "meter");
     if NONE.contains(&folded.as_str()) {
         return None;
     }
     // A capital M and P are mega and peta, small ones milli and pico.
     if name == "Mm" || name == "Pm" {
-        return Some(name.to_owned());
+        return Some(name);
     }
     let singular = if folded.chars().count() > 3 { folded.strip_suffix('s').unwrap_or(&folded) } else { &folded };
     let known = |wanted: &str| {
@@ -102,32 +106,49 @@ pub(crate) fn canonical(text: &str) -> Option<String> {
     known(&folded).or_else(|| known(singular)).or_else(|| Some(name.chars().take(LONGEST_NAME).collect()))
 }
 
-fn metres(unit: &str) -> Option<f64> {
+/// A text without white space at its ends, and without the separators of ASCII.
+fn trim(text: &str) -> &str {
+    text.trim_matches(|sign: char| sign.is_whitespace() || ('\x1c'..='\x1f').contains(&sign))
+}
+
+/// The size of a unit by our name, metres; none where it has none that we know.
+pub fn metres(unit: &str) -> Option<f64> {
     let foreign = FOREIGN.iter().find(|(name, ..)| *name == unit).map(|(_, size, _)| *size);
     foreign.or_else(|| METRES.iter().find(|(name, _)| *name == unit).map(|(_, size)| *size))
 }
 
-/// One unit for axes x, y, z (the first that has a size), and the factors that bring each axis to it.
-pub(crate) fn in_one_unit(units: &[Option<String>; 3]) -> (Option<String>, [f64; 3]) {
-    let sized = |unit: &Option<String>| unit.as_deref().filter(|unit| metres(unit).is_some()).map(str::to_owned);
-    let Some(first) = units.iter().find_map(sized) else {
-        let mut named: Vec<_> = units.iter().flatten().collect();
-        named.sort_unstable();
-        named.dedup();
-        return (if named.len() == 1 { Some(named[0].clone()) } else { None }, [1.0; 3]);
-    };
-    let foreign = FOREIGN.iter().find(|(name, ..)| *name == first).map(|(_, _, shown)| (*shown).to_owned());
-    let common = foreign.unwrap_or_else(|| first.clone());
-    let of_common = metres(&common).unwrap_or(1.0);
-    let factors = [0, 1, 2].map(|a| {
-        let own = sized(&units[a]).unwrap_or_else(|| first.clone());
-        if own == common { 1.0 } else { twelve_digits(metres(&own).unwrap_or(of_common) / of_common) }
-    });
-    (Some(common), factors)
+/// The unit in which lengths in a unit are reported: another one for inch, megametre and their like.
+pub fn reported(unit: &str) -> &str {
+    FOREIGN.iter().find(|(name, ..)| *name == unit).map_or(unit, |(_, _, reported)| reported)
 }
 
-/// Sentences for unknown units of axes x, y, z, with what [`in_one_unit`] assumes.
-pub(crate) fn guesses(units: &[Option<String>; 3]) -> Vec<String> {
+/// The factor from lengths in one unit to another; none if a named unit is unknown.
+///
+/// Where one of them names none, the lengths stay as they are.
+pub fn factor(own: Option<&str>, wanted: Option<&str>) -> Option<f64> {
+    match (own, wanted) {
+        (Some(own), Some(wanted)) if own != wanted => Some(twelve_digits(metres(own)? / metres(wanted)?)),
+        _ => Some(1.0),
+    }
+}
+
+/// One unit for axes x, y, z (the first that has a size), and the factors that bring each axis to it.
+///
+/// An axis of an unknown unit keeps its numbers, which is a guess ([`guesses`]).
+pub fn in_one_unit(units: &[Option<String>; 3]) -> (Option<String>, [f64; 3]) {
+    let sized = units.each_ref().map(|unit| unit.as_deref().filter(|unit| metres(unit).is_some()));
+    let Some(first) = sized.iter().flatten().next() else {
+        let mut named = units.iter().flatten();
+        let one = named.next().filter(|one| named.all(|other| other == *one));
+        return (one.cloned(), [1.0; 3]);
+    };
+    let common = reported(first);
+    let factors = sized.map(|unit| factor(unit.or(Some(first)), Some(common)).unwrap_or(1.0));
+    (Some(common.to_owned()), factors)
+}
+
+/// A sentence for each unknown unit of axes x, y, z, with what [`in_one_unit`] assumes; axes without a unit aside.
+pub fn guesses(units: &[Option<String>; 3]) -> Vec<String> {
     let (common, _) = in_one_unit(units);
     let mut strange: Vec<_> = units.iter().flatten().filter(|unit| metres(unit).is_none()).collect();
     strange.sort_unstable();
@@ -139,11 +160,23 @@ pub(crate) fn guesses(units: &[Option<String>; 3]) -> Vec<String> {
         let axes = ["x", "y", "z"].iter().zip(units).filter(|(_, own)| own.as_ref() == Some(unit));
         axes.map(|(axis, _)| *axis).collect::<Vec<_>>().join(", ")
     };
-    let meant = common.map_or_else(|| "as their numbers are".to_owned(), |unit| format!("in {unit}"));
+    let meant = common.as_ref().map_or_else(|| "as their numbers are".to_owned(), |unit| format!("in {unit}"));
     let sentence = |unit: &&String| {
-        format!("distances along {} {meant}: their unit in the file, '{unit}', is unknown", axes_of(unit))
+        format!("distances along {} {meant}: their unit in the file, {}, is unknown", axes_of(unit), quoted(unit))
     };
     strange.iter().map(sentence).collect()
+}
+
+/// A name in single quotes or, where it has one of these, in double ones, without control characters.
+fn quoted(name: &str) -> String {
+    let quote = if name.contains('\'') && !name.contains('"') { '"' } else { '\'' };
+    let escaped = |sign: char| match sign {
+        '\\' => "\\\\".to_owned(),
+        _ if sign == quote => format!("\\{sign}"),
+        _ if sign.is_control() => sign.escape_default().to_string(),
+        _ => sign.to_string(),
+    };
+    format!("{quote}{}{quote}", name.chars().map(escaped).collect::<String>())
 }
 
 /// A number rounded to twelve significant digits, so that 1e-3 / 1e-6 is 1000.

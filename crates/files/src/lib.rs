@@ -17,7 +17,7 @@
 //! ```
 
 mod error;
-mod length_units;
+pub mod length_units;
 mod nifti;
 mod nrrd;
 mod stored;

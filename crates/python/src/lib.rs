@@ -6,6 +6,7 @@ mod errors;
 mod gpu;
 mod labels;
 mod lazy;
+mod length_units;
 mod look;
 mod progress;
 mod reference;
@@ -44,6 +45,8 @@ mod _native {
     use crate::labels::PyLabels;
     #[pymodule_export]
     use crate::lazy::{PyLazyVolume, PySurvey, light_step, samples_for};
+    #[pymodule_export]
+    use crate::length_units::{in_one_unit, reported_unit, unit_factor, unit_guesses, unit_metres, unit_name};
     #[pymodule_export]
     use crate::look::{
         channel_color, distinct_colors, label_color, map_colors, map_is_diverging, map_nodes, rise_nodes,

@@ -113,6 +113,7 @@ pub use wavesplat_core::{
     Volume, normals_of_faces,
 };
 pub use wavesplat_document as document;
+pub use wavesplat_files as files;
 #[cfg(feature = "gpu")]
 pub use wavesplat_gpu as gpu;
 pub use wavesplat_look as look;

@@ -108,7 +108,7 @@ def _factor(unit: str | None, asked: str | None) -> float:
     """World units in one of the units that is asked for."""
     if asked is None or unit is None or asked == unit:
         return 1.0
-    ours, theirs = units.METRES.get(unit), units.METRES.get(asked)
+    ours, theirs = units.metres(unit), units.metres(asked)
     if ours is None or theirs is None:
         raise ArgumentError(
             f"the scale bar is wanted in {asked!r}, but the world's unit is {described(unit)}; give True"

@@ -120,7 +120,7 @@ def _millimetre(volume: Volume, by_hounsfield: bool) -> float:
     size = units.metres(volume.unit)
     if size is None:
         return 1.0 if by_hounsfield else math.nan
-    return units.METRES["mm"] / size
+    return units.MILLIMETRE / size
 
 
 def _radius(volume: Volume, millimetre: float) -> float:

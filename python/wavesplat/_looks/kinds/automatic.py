@@ -50,7 +50,6 @@ from wavesplat._model.lazy.volume import LazyVolume
 from wavesplat._model.volume import units
 from wavesplat._model.volume.facts import Rgb
 from wavesplat._model.volume.grid import axis_of_distant_slices, axis_of_few_slices, is_thin
-from wavesplat._model.volume.units import METRES
 from wavesplat._model.volume.volume import Volume
 from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat.errors import ArgumentError
@@ -323,7 +322,7 @@ Made = tuple[TransferFunction, "Shading | None"]
 
 
 def _ct(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
-    millimetre = METRES["mm"] / (units.metres(volume.unit) or METRES["mm"])
+    millimetre = units.MILLIMETRE / (units.metres(volume.unit) or units.MILLIMETRE)
     function = TransferFunction(CT_OPACITY, CT_COLOR, opacity_unit=millimetre)
     if offset := offset_of(volume):
         function = function._moved(offset)

@@ -119,5 +119,5 @@ def _in_millimetres(grid: Grid) -> NDArray[np.float64]:
     matrix = np.array(grid.world_from_index)
     size = units.metres(grid.unit)
     if size is not None:
-        matrix[:3] *= float(f"{size / units.METRES['mm']:.12g}")
+        matrix[:3] *= float(f"{size / units.MILLIMETRE:.12g}")
     return matrix

@@ -80,8 +80,8 @@ def _of_mesh(mesh: Any, component: h5py.Dataset) -> Place:
 def best_unit(spacing: NDArray[np.float64], metres: float) -> tuple[str, float]:
     """The largest unit in which the finest spacing is 0.01 or more, and the factor that converts lengths to it."""
     finest = float(np.abs(spacing).min()) * metres
-    unit = next((unit for unit in ("m", "mm", "um", "nm") if finest >= 0.01 * units.METRES[unit]), "pm")
-    return unit, float(f"{metres / units.METRES[unit]:.12g}")
+    unit = next((unit for unit in ("m", "mm", "um", "nm") if finest >= 0.01 * (units.metres(unit) or 1.0)), "pm")
+    return unit, float(f"{metres / (units.metres(unit) or 1.0):.12g}")
 
 
 def _diagonal(xyz: tuple[float, ...]) -> NDArray[np.float64]:

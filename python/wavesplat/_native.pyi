@@ -39,6 +39,8 @@ __all__ = [
     "channel_color",
     "check_fields",
     "check_list",
+    "check_values",
+    "checked_view",
     "distinct_colors",
     "encode_png",
     "fit_view",
@@ -58,6 +60,7 @@ __all__ = [
     "normals_of_faces",
     "optional_number",
     "orbit_axes",
+    "patched",
     "plane",
     "quality_settings",
     "raycast",
@@ -702,6 +705,15 @@ def is_number(value: object) -> TypeGuard[float]:
 
 def is_point(value: object) -> bool:
     """Whether a value in a JSON document is three such numbers."""
+
+def check_values(value: object, what: str) -> None:
+    """Refuse a document that has whole numbers beyond float64 or texts with half a surrogate pair, by the field."""
+
+def patched(document: Any, operations: Any) -> Any:
+    """The document with all operations of a JSON Patch done; it shares what they do not touch with the one before."""
+
+def checked_view(view: Any, crosshair: Sequence[float]) -> dict[str, Any]:
+    """The field `view` of a viewer's state, checked, with the defaults of all that it leaves out."""
 
 def camera_fields(
     document: Mapping[str, Any],

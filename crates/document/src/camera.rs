@@ -53,7 +53,7 @@ impl CameraDocument {
                 return Err(FieldError {
                     document: DOCUMENT.to_owned(),
                     path: String::new(),
-                    found: Found::Conflict,
+                    found: Found::Fault,
                     wanted: "give one of the fields 'parallel_scale' and 'view_angle'".to_owned(),
                 });
             }

@@ -33,13 +33,44 @@ pub fn check_fields<T: AsRef<str>>(
     if let Some(version) = node.field("version").filter(|version| version.whole() != Some(VERSION)) {
         return Err(wrong(document, "version", version.written(), &format!("this release reads version {VERSION}")));
     }
+    check_known(node, document, known)
+}
+
+/// Refuses an object with a field that is not known.
+fn check_known<T: AsRef<str>>(node: &impl ValueNode, document: &str, known: &[T]) -> Result<(), FieldError> {
     let is_known = |name: &str| known.iter().any(|one| one.as_ref() == name);
-    if let Some(name) = node.names().into_iter().filter(|name| !is_known(name)).min() {
-        let mut known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
-        known.sort_unstable();
-        return Err(error(&name, Found::Unknown, format!("the fields are {}", known.join(", "))));
+    let Some(name) = node.names().into_iter().filter(|name| !is_known(name)).min() else { return Ok(()) };
+    let mut known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
+    known.sort_unstable();
+    let wanted = format!("the fields are {}", known.join(", "));
+    Err(FieldError { document: document.to_owned(), path: name, found: Found::Unknown, wanted })
+}
+
+/// Refuses what is no object, or has a field that is not known. `place`: of the value, such as "scene: view.slices".
+pub(crate) fn check_object(node: &impl ValueNode, place: &str, known: &[&str]) -> Result<(), FieldError> {
+    if !node.is_object() {
+        return Err(wrong_at(place, Some(node), "it must be an object"));
     }
-    Ok(())
+    check_known(node, place, known)
+}
+
+/// The error of a wrong value at a place; without a value it is not there, which is as if it were null.
+pub(crate) fn wrong_at<N: ValueNode>(place: &str, node: Option<&N>, wanted: &str) -> FieldError {
+    let found = Found::Whole("is", node.map_or_else(|| N::NULL.to_owned(), ValueNode::described));
+    FieldError { document: place.to_owned(), path: String::new(), found, wanted: wanted.to_owned() }
+}
+
+/// Refuses what is none of some names.
+pub(crate) fn check_one_of<N: ValueNode>(node: Option<&N>, known: &[&str], place: &str) -> Result<(), FieldError> {
+    match node.and_then(ValueNode::text) {
+        Some(text) if known.contains(&text.as_str()) => Ok(()),
+        _ => Err(wrong_at(place, node, &format!("use one of: {}", known.join(", ")))),
+    }
+}
+
+/// Refuses what is no list of three numbers.
+pub(crate) fn check_point(node: &impl ValueNode, place: &str) -> Result<[f64; 3], FieldError> {
+    point(node).ok_or_else(|| wrong_at(place, Some(node), "it must be three numbers, [x, y, z]"))
 }
 
 /// Refuses a field that is no list; it need not be there. `form`: how the list is written.
@@ -71,7 +102,7 @@ pub fn is_point(node: &impl ValueNode) -> bool {
     point(node).is_some()
 }
 
-fn number(node: &impl ValueNode) -> Option<f64> {
+pub(crate) fn number(node: &impl ValueNode) -> Option<f64> {
     node.number().filter(|number| number.abs() <= LARGEST)
 }
 

@@ -20,8 +20,12 @@ mod camera;
 mod error;
 mod fields;
 mod node;
+mod patch;
+mod view;
 
 pub use camera::{CameraDocument, LensField};
-pub use error::{FieldError, Found};
+pub use error::{FieldError, Found, quoted};
 pub use fields::{LARGEST, VERSION, check_fields, check_list, is_number, is_point, optional_number};
-pub use node::ValueNode;
+pub use node::{ChangedNode, ValueNode};
+pub use patch::{MAX_STEPS, patched};
+pub use view::{ViewSection, check_view, default_view};

@@ -1,8 +1,8 @@
 //! Documents as Python holds them: objects of dict, list, str, int, float, bool and None are read where they lie.
 
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyTuple};
-use wavesplat::document::{self, CameraDocument, FieldError, LensField, ValueNode};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PyString, PyTuple};
+use wavesplat::document::{self, CameraDocument, ChangedNode, FieldError, Found, LensField, ValueNode};
 
 use crate::arguments::Triple;
 use crate::errors::exceptions::ArgumentError;
@@ -10,15 +10,26 @@ use crate::errors::exceptions::ArgumentError;
 /// Position, focal point, view up, parallel scale and view angle.
 type CameraFields = (Triple, Triple, Triple, Option<f64>, Option<f64>);
 
+#[derive(Clone)]
 struct PyNode<'py>(Bound<'py, PyAny>);
 
 impl ValueNode for PyNode<'_> {
+    const NULL: &'static str = "None";
+
     fn field(&self, name: &str) -> Option<Self> {
-        self.0.get_item(name).ok().map(Self)
+        match self.0.cast::<PyDict>() {
+            Ok(fields) => fields.get_item(name).ok().flatten(),
+            Err(_) => self.0.get_item(name).ok(),
+        }
+        .map(Self)
     }
 
     fn names(&self) -> Vec<String> {
         self.0.try_iter().into_iter().flatten().flatten().map(|name| name.to_string()).collect()
+    }
+
+    fn is_object(&self) -> bool {
+        self.0.cast::<PyMapping>().is_ok()
     }
 
     fn is_list(&self) -> bool {
@@ -39,6 +50,14 @@ impl ValueNode for PyNode<'_> {
         if self.0.is_exact_instance_of::<PyInt>() { self.0.extract().ok() } else { None }
     }
 
+    fn text(&self) -> Option<String> {
+        self.0.cast::<PyString>().ok()?.to_str().ok().map(str::to_owned)
+    }
+
+    fn is_switch(&self) -> bool {
+        self.0.is_instance_of::<PyBool>()
+    }
+
     fn is_null(&self) -> bool {
         self.0.is_none()
     }
@@ -52,6 +71,109 @@ impl ValueNode for PyNode<'_> {
             || self.0.py().import("wavesplat._system.values")?.call_method1("described", (&self.0,))?.extract();
         described().unwrap_or_else(|_: PyErr| self.written())
     }
+
+    fn check_values(&self, document: &str) -> Result<(), FieldError> {
+        check_all_values(&self.0, document)
+    }
+}
+
+impl ChangedNode for PyNode<'_> {
+    fn with_field(&self, name: &str, value: Option<Self>) -> Self {
+        let fields = PyDict::new(self.0.py());
+        // None of these can fail: the mapping was read before, and its names are texts.
+        let _ = self.0.cast::<PyMapping>().map(|before| fields.update(before));
+        let _ = match value {
+            Some(value) => fields.set_item(name, value.0),
+            None => fields.del_item(name),
+        };
+        Self(fields.into_any())
+    }
+
+    fn listed(&self, items: Vec<Self>) -> Self {
+        let items = PyList::new(self.0.py(), items.into_iter().map(|item| item.0));
+        items.map_or_else(|_| self.clone(), |items| Self(items.into_any()))
+    }
+}
+
+/// Longest path in a message.
+const MAX_PATH: usize = 100;
+
+/// JSON bounds neither its whole numbers nor its texts: Python's `json` gives numbers that no float holds, and halves of
+/// surrogate pairs, which no file and no font takes. Both are refused, before anything calculates with them.
+fn check_all_values(value: &Bound<'_, PyAny>, document: &str) -> Result<(), FieldError> {
+    // A stack instead of recursion: documents may be nested deeper than the stack of a thread. `containers` are those that
+    // were met, each with its own container and its name there.
+    let mut containers: Vec<(usize, Bound<'_, PyAny>)> = Vec::new();
+    let mut pending = vec![(value.clone(), (0, value.clone()))];
+    while let Some((found, place)) = pending.pop() {
+        if let Ok(text) = found.cast::<PyString>() {
+            if text.to_str().is_err() {
+                return Err(unusable(
+                    document,
+                    &containers,
+                    &place,
+                    "has half of a surrogate pair in its text; remove it",
+                ));
+            }
+        } else if found.is_instance_of::<PyInt>() {
+            if !is_in_range(&found) {
+                let fault = "is a whole number of more than 308 digits; write a smaller one";
+                return Err(unusable(document, &containers, &place, fault));
+            }
+        } else if let Ok(fields) = found.cast::<PyMapping>() {
+            containers.push(place);
+            for item in fields.items().iter().flatten() {
+                let Ok((name, part)) = item.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>() else { continue };
+                if name.cast::<PyString>().is_ok_and(|name| name.to_str().is_err()) {
+                    let place = containers.pop().unwrap_or_else(|| (0, name));
+                    return Err(unusable(
+                        document,
+                        &containers,
+                        &place,
+                        "has half of a surrogate pair in a name; remove it",
+                    ));
+                }
+                pending.push((part, (containers.len(), name)));
+            }
+        } else if found.is_instance_of::<PyList>() || found.is_instance_of::<PyTuple>() {
+            containers.push(place);
+            for (number, part) in found.try_iter().into_iter().flatten().flatten().enumerate() {
+                let Ok(number) = number.into_pyobject(found.py());
+                pending.push((part, (containers.len(), number.into_any())));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether a float holds a whole number.
+fn is_in_range(whole: &Bound<'_, PyAny>) -> bool {
+    whole.extract::<f64>().is_ok_and(|nearest| nearest.abs() < f64::MAX || whole.eq(nearest).unwrap_or(false))
+}
+
+/// The error of a value that cannot be used. `place`: the number of its container plus 1, 0 for none, and its name there.
+fn unusable(
+    document: &str,
+    containers: &[(usize, Bound<'_, PyAny>)],
+    place: &(usize, Bound<'_, PyAny>),
+    fault: &str,
+) -> FieldError {
+    let mut names = Vec::new();
+    let mut at = place;
+    while let Some(outer) = at.0.checked_sub(1) {
+        names.push(if at.1.is_instance_of::<PyInt>() { format!("[{}]", at.1) } else { format!(".{}", at.1) });
+        at = &containers[outer];
+    }
+    names.reverse();
+    let path = names.concat();
+    let path = path.strip_prefix('.').unwrap_or(&path);
+    let shown = match path.char_indices().nth(MAX_PATH) {
+        _ if path.is_empty() => "the document".to_owned(),
+        None => format!("field {}", document::quoted(path)),
+        Some((end, _)) => format!("a field below {}", document::quoted(&path[..end])),
+    };
+    let wanted = format!("{shown} {fault}");
+    FieldError { document: document.to_owned(), path: String::new(), found: Found::Fault, wanted }
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "used as map_err(refused)")]
@@ -107,4 +229,45 @@ pub fn camera_fields(document: Bound<'_, PyAny>) -> PyResult<CameraFields> {
         LensField::ViewAngle(angle) => (None, Some(angle)),
     };
     Ok((camera.position.into(), camera.focal_point.into(), camera.view_up.into(), scale, angle))
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn check_values(value: Bound<'_, PyAny>, what: &str) -> PyResult<()> {
+    check_all_values(&value, what).map_err(refused)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn patched<'py>(document: Bound<'py, PyAny>, operations: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    document::patched(&PyNode(document), &PyNode(operations)).map(|changed| changed.0).map_err(refused)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn checked_view<'py>(view: &Bound<'py, PyAny>, crosshair: [f64; 3]) -> PyResult<Bound<'py, PyDict>> {
+    let py = view.py();
+    document::check_view(&PyNode(view.clone())).map_err(refused)?;
+    let complete = PyDict::new(py);
+    let json = py.import("json")?;
+    for (section, fields) in document::default_view(crosshair) {
+        let given = PyNode(view.clone()).field(section);
+        let Some(fields) = fields else {
+            let items = given.and_then(|given| given.items()).unwrap_or_default();
+            let copies = items.iter().map(|item| PyDict::from_sequence(&item.0.call_method0("items")?));
+            complete.set_item(section, PyList::new(py, copies.collect::<PyResult<Vec<_>>>()?)?)?;
+            continue;
+        };
+        let own = PyDict::new(py);
+        for (name, value) in fields {
+            let found = given.as_ref().and_then(|given| given.field(name)).map(|found| found.0);
+            let default = || json.call_method1("loads", (value.to_string(),));
+            own.set_item(name, found.map_or_else(default, Ok)?)?;
+        }
+        if let Some(given) = given {
+            own.update(given.0.cast::<PyMapping>()?)?;
+        }
+        complete.set_item(section, own)?;
+    }
+    Ok(complete)
 }

@@ -38,7 +38,10 @@ mod _native {
     #[pymodule_export]
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
     #[pymodule_export]
-    use crate::documents::{camera_fields, check_fields, check_list, is_number, is_point, optional_number};
+    use crate::documents::{
+        camera_fields, check_fields, check_list, check_values, checked_view, is_number, is_point, optional_number,
+        patched,
+    };
     #[pymodule_export]
     use crate::gpu::{gpu_adapters, gpu_check, gpu_count, gpu_memory, gpu_settle};
     #[pymodule_export]

@@ -79,7 +79,7 @@ ROOMS = {
     "crates/files/src": ["length_units", "stored", "error", "nifti", "nrrd"],
     "crates/look/src": ["numbers", "colors", "channel_colors", "map_tables", "colormaps"],
     "crates/view/src": ["rotation", "lens", "named", "pose", "path", "fit", "turn"],
-    "crates/document/src": ["node", "error", "fields", "camera"],
+    "crates/document/src": ["error", "node", "fields", "camera", "patch", "view"],
     "crates/wavesplat/src": [
         "error",
         "quality",

@@ -15,7 +15,7 @@ from typing import Any
 from damage import NESTED, ODD_VALUES, damaged_json
 
 import wavesplat as ws
-from wavesplat._viewer.session import patches
+from wavesplat import _native
 from wavesplat.errors import WavesplatError
 
 SCENES = Path(__file__).parents[1] / "fixtures" / "scenes"
@@ -99,7 +99,7 @@ def _patched(text: str) -> str:
     given = json.loads(text)
     if not isinstance(given, dict) or "document" not in given:
         given = {"document": {}, "operations": given}
-    return json.dumps(patches.patched(given["document"], given.get("operations")))
+    return json.dumps(_native.patched(given["document"], given.get("operations")))
 
 
 READERS: dict[str, Callable[[str], str]] = {

@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import wavesplat as ws
+from wavesplat import _native
 from wavesplat._scene.documents import scene_json
-from wavesplat._viewer.session.patches import patched
 from wavesplat._viewer.session.state import ViewerState, changes_picture, changes_slices, is_same
 from wavesplat.errors import ArgumentError
 
@@ -36,14 +36,14 @@ def pelvis():
 @pytest.mark.parametrize("case", PATCHES["good"], ids=lambda case: json.dumps(case["operations"])[:50])
 def test_patches_change_what_they_name(case):
     before = json.dumps(case["before"])
-    assert patched(case["before"], case["operations"]) == case["after"]
+    assert _native.patched(case["before"], case["operations"]) == case["after"]
     assert json.dumps(case["before"]) == before
 
 
 @pytest.mark.parametrize("case", PATCHES["bad"], ids=lambda case: json.dumps(case["operations"])[:50])
 def test_patches_that_lead_nowhere_are_refused(case):
     with pytest.raises(ArgumentError, match=r"^patch: operations\[0\]"):
-        patched(case["before"], case["operations"])
+        _native.patched(case["before"], case["operations"])
 
 
 def test_a_state_draws_what_the_scene_draws(pelvis):

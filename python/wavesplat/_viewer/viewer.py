@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal
 
+from wavesplat import _native
 from wavesplat._looks.labels.labels import Labels
 from wavesplat._looks.shading import Shading
 from wavesplat._model.arguments.clips import Clip
@@ -23,7 +24,6 @@ from wavesplat._public import public
 from wavesplat._scene.documents import scene_json
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat._storage import json_texts
-from wavesplat._storage import json_texts as json_text
 from wavesplat._storage.paths import expanded
 from wavesplat._system.values import described
 from wavesplat._viewer.opening.opening import Opener
@@ -107,7 +107,7 @@ class Viewer:
 
     @state.setter
     def state(self, document: Mapping[str, Any]) -> None:
-        json_text.check_values(document, "state")
+        _native.check_values(document, "state")
         self._session.change(self._session.state.replaced(json.loads(json.dumps(dict(document)))))
 
     @property
@@ -329,7 +329,7 @@ def view(
     options = {"quality": quality, "kernel": kernel, "composite": composite}
     if not isinstance(state, Mapping | None):
         raise ArgumentError(f"state is {described(state)}; give a state that was saved, or its field view")
-    json_text.check_values(state, "state")
+    _native.check_values(state, "state")
     is_whole = state is not None and "layers" in state
     first = ViewerState.of(scene, camera, options, state.get("view") if is_whole and state else state)
     if is_whole:

@@ -1,5 +1,5 @@
 // JSON Patch (RFC 6902), the part that is needed: `add`, `replace` and `remove`. Merge patches (RFC 7386) cannot set null,
-// and replace lists as a whole. `python/wavesplat/_viewer/session/patches.py` is the twin.
+// and replace lists as a whole. `crates/document/src/patch.rs` is the twin.
 
 export type Operation =
   | { readonly op: "add" | "replace"; readonly path: string; readonly value: unknown }

@@ -38,7 +38,7 @@ def parse(text: str) -> Camera:
 
 def build(document: dict[str, Any]) -> Camera:
     """The camera that an object describes."""
-    json_texts.check_values(document, WHAT)
+    _native.check_values(document, WHAT)
     *triple, scale, angle = _native.camera_fields(document)
     try:
         return Camera(*triple, parallel_scale=scale, view_angle=angle)

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from wavesplat import _native
 from wavesplat._scene.scene import Scene
-from wavesplat._storage import json_texts
 from wavesplat._system.threads import cancelled_by, check_cancelled
 from wavesplat._system.values import described
 from wavesplat._viewer.opening import start_page
@@ -173,7 +173,7 @@ class Opener:
     def _answer(self, send: Send, asked: _Asked) -> None:
         number = asked.number
         try:
-            json_texts.check_values(asked.arguments, asked.name)
+            _native.check_values(asked.arguments, asked.name)
             with cancelled_by(lambda: asked.is_cancelled):
                 fields, payload = self._questions[asked.name](asked)
         except CancelledError:

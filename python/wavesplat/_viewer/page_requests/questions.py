@@ -203,7 +203,7 @@ def answer_of(state: ViewerState, question: str, arguments: Mapping[str, Any], p
         raise ArgumentError(f"unknown question {question!r}; the viewer answers {', '.join(sorted(ANSWERS))}")
     if not isinstance(arguments, Mapping):
         raise ArgumentError(f"{question}: the arguments are {described(arguments)}; give an object")
-    json_texts.check_values(arguments, question)
+    _native.check_values(arguments, question)
     return ANSWERS[question](state, arguments, progress)
 
 

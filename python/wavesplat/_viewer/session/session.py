@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from wavesplat import _native
 from wavesplat._model.arguments.sampling import Sampling
 from wavesplat._picture.picture import Picture
 from wavesplat._system.values import described
@@ -20,13 +21,14 @@ from wavesplat._viewer.page_requests.questions import Answering, failure_of
 from wavesplat._viewer.server import messages
 from wavesplat._viewer.session.info import welcome_of
 from wavesplat._viewer.session.pace import BUDGETS_MS, Pace, Refining, Settings, frame_fields, rungs_of
-from wavesplat._viewer.session.patches import patched
 from wavesplat._viewer.session.picturing import picture_of, pictures_at_rest
 from wavesplat._viewer.session.previews import has_lazy
 from wavesplat._viewer.session.state import ViewerState, changes_picture, changes_slices, is_same
-from wavesplat._viewer.session.view_json import VIEWS
 from wavesplat._viewer.slices.slice_values import SliceValues, slice_values
 from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
+
+#: Views of a page: the picture in space, and slices across each axis.
+VIEWS = ("3d", "z", "y", "x")
 
 # Confirmation of a page's changes: the state after them, and where it differs from what the page has.
 #
@@ -46,7 +48,7 @@ def confirmed(state: ViewerState, operations: Sequence[Any]) -> tuple[ViewerStat
     """
     if not operations:
         return state, []
-    of_page = patched(state.document, operations)
+    of_page = _native.patched(state.document, operations)
     after = state.replaced(of_page)
     return after, [
         {"op": "add", "path": f"/{name}", "value": value}

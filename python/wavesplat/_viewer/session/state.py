@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, get_args
 
+from wavesplat import _native
 from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.shape_arrays import facts_of_shapes, names_of_shapes
 from wavesplat._looks import look_files
@@ -29,10 +30,8 @@ from wavesplat._scene.drawing.drawn_layers import drawn_layers
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import MAX_LAYERS, Scene
 from wavesplat._system.values import described
-from wavesplat._viewer.session import view_json
 from wavesplat._viewer.session.catalogue import Catalogue, Entry
 from wavesplat._viewer.session.framed_cameras import FirstView
-from wavesplat._viewer.session.patches import patched
 from wavesplat._viewer.session.previews import has_lazy, preview_of
 from wavesplat._viewer.slices.first_slices import first_crosshair
 from wavesplat.errors import ArgumentError
@@ -163,7 +162,7 @@ class ViewerState:
             "kernel": document["render"]["kernel"],
             "composite": document["render"]["composite"],
         }
-        document["view"] = view_json.checked(view or {}, first_crosshair(scene))
+        document["view"] = _native.checked_view(view or {}, first_crosshair(scene))
         nowhere = Camera((0, 0, 1), (0, 0, 0), (0, 1, 0), parallel_scale=1)
         unseen = FirstView(nowhere, 1.0, is_framed=False)
         first = cls({}, scene, nowhere, {}, tuple(entries), label_entry, shape_entries, known, unseen)
@@ -185,7 +184,7 @@ class ViewerState:
         ArgumentError
             If there cannot be such a state; the message names the field.
         """
-        return self._with(patched(self.document, operations))
+        return self._with(_native.patched(self.document, operations))
 
     def replaced(self, document: Mapping[str, Any]) -> ViewerState:
         """The state that another document describes, of things that are open."""
@@ -240,7 +239,7 @@ class ViewerState:
             # A viewer's picture has the size of the view.
             document = {**document, "render": {k: v for k, v in document["render"].items() if k != "size"}}
         if not _same(document, before, "view"):
-            document = {**document, "view": view_json.checked(document["view"], first_crosshair(self.scene))}
+            document = {**document, "view": _native.checked_view(document["view"], first_crosshair(self.scene))}
         entries = self._entries(document)
         changes = self._changes(document, entries)
         scene = self.scene.with_(**changes) if changes else self.scene

@@ -13,11 +13,13 @@ __all__ = [
     "RISES",
     "SHOWS_THROUGH",
     "VIEWS",
+    "VIEW_ANGLE",
     "Ablation",
     "BlockState",
     "Camera",
     "CameraPath",
     "DecodedVolume",
+    "Face",
     "Labels",
     "LazyVolume",
     "Shading",
@@ -28,12 +30,15 @@ __all__ = [
     "Volume",
     "WaveletVolume",
     "__version__",
+    "camera_all_around",
     "camera_axes",
     "camera_fields",
+    "camera_in_perspective",
     "camera_project",
     "camera_turned",
     "camera_unproject",
     "camera_widened",
+    "camera_within",
     "camera_zoomed",
     "cameras_evenly",
     "channel_color",
@@ -43,6 +48,9 @@ __all__ = [
     "checked_view",
     "distinct_colors",
     "encode_png",
+    "eye_of",
+    "eyes_cut",
+    "eyes_settled",
     "fit_view",
     "gpu_adapters",
     "gpu_check",
@@ -91,6 +99,8 @@ __version__: str
 SHOWS_THROUGH: float
 #: Largest ratio of lengths in a picture, such as of view and volume.
 FARTHEST: float
+#: Angle of view, degrees, of views in perspective that were orthographic.
+VIEW_ANGLE: float
 #: Azimuth and elevation, degrees, of the named views.
 VIEWS: dict[str, tuple[float, float]]
 #: Colours of a map that is even.
@@ -534,6 +544,34 @@ def fit_view(
     aspect: float,
     is_turn: bool,
 ) -> _CameraFields: ...
+def camera_in_perspective(camera: _CameraFields) -> _CameraFields: ...
+def camera_all_around(camera: _CameraFields) -> _CameraFields: ...
+def camera_within(camera: _CameraFields, is_level: bool) -> _CameraFields: ...
+
+# Two eyes: their distance and where they converge, world units.
+
+def eyes_settled(camera: _CameraFields, distance: float | None, convergence: float | None) -> tuple[float, float]: ...
+def eyes_cut(eyes: tuple[float, float], camera: _CameraFields, height: int) -> tuple[int, float | None]:
+    """Columns that are cut off each eye's picture, and the convergence that they give; None is infinity."""
+
+def eye_of(eyes: tuple[float, float], camera: _CameraFields, is_right: bool) -> _CameraFields: ...
+
+@final
+class Face:
+    """A perspective picture of a panorama of a size (width, height)."""
+
+    @staticmethod
+    def of_cube() -> list[Face]: ...
+    @staticmethod
+    def of_turns(n: int = ...) -> list[Face]: ...
+    def camera(
+        self, camera: _CameraFields, panorama: tuple[int, int], eye: tuple[bool, float] | None
+    ) -> tuple[_CameraFields, tuple[int, int]]:
+        """Its camera and its size; `eye`: whether it is the right one of two, and their distance."""
+
+    def places(self, panorama: tuple[int, int]) -> tuple[NDArray[np.uintp], NDArray[np.float64], NDArray[np.float64]]:
+        """Numbers of the pixels that it shows, row by row, its weights there, and columns and rows in it."""
+
 def turn_angles(turned: _Turn) -> list[float]: ...
 def turn_around(turned: _Turn, first: _CameraFields) -> list[_CameraFields]: ...
 def turn_in_place(turned: _Turn, camera: _CameraFields) -> list[_CameraFields]: ...

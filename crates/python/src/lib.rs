@@ -66,9 +66,9 @@ mod _native {
     use crate::study::{render_standard, splat_ablated};
     #[pymodule_export]
     use crate::view::{
-        PyCameraPath, camera_axes, camera_project, camera_turned, camera_unproject, camera_widened, camera_zoomed,
-        cameras_evenly, fit_view, orbit_axes, sin_cos_deg, turn_angles, turn_around, turn_in_place, turn_in_view,
-        view_angles,
+        PyCameraPath, PyFace, camera_all_around, camera_axes, camera_in_perspective, camera_project, camera_turned,
+        camera_unproject, camera_widened, camera_within, camera_zoomed, cameras_evenly, eye_of, eyes_cut, eyes_settled,
+        fit_view, orbit_axes, sin_cos_deg, turn_angles, turn_around, turn_in_place, turn_in_view, view_angles,
     };
     #[pymodule_export]
     use crate::volume::PyVolume;
@@ -89,6 +89,7 @@ mod _native {
         }
         module.add("SHOWS_THROUGH", wavesplat::SHOWS_THROUGH)?;
         module.add("FARTHEST", wavesplat::view::FARTHEST)?;
+        module.add("VIEW_ANGLE", wavesplat::view::VIEW_ANGLE_DEG)?;
         module.add("CHANNEL_COLORS", wavesplat::look::channel_colors::CHANNEL_COLORS.map(<(f64, f64, f64)>::from))?;
         module.add("MAP_NODES", wavesplat::look::colormaps::N_NODES)?;
         let rises = wavesplat::look::colormaps::Rise::NAMED.map(|(name, _)| name);

@@ -1,9 +1,9 @@
-//! Named views, orbits, fits, turns and paths of cameras; see `_native.pyi`.
+//! Named views, orbits, fits, turns and paths of cameras, eyes and panoramas; see `_native.pyi`.
 
 use glam::DVec3;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use wavesplat::view::{self, Axes, CameraPath, Fit, InView, Lens, Pose, Turn};
+use wavesplat::view::{self, Axes, CameraPath, Eye, Face, Fit, InView, Lens, N_TURNS, Pose, Turn, TwoEyes};
 
 use crate::arguments::{Triple, rows, vector};
 use crate::errors::to_py;
@@ -136,6 +136,80 @@ pub fn fit_view(
     let fit = if is_turn { Fit::Turn } else { Fit::View };
     let framing = framing(&corners, shown.as_deref(), zoom, view_angle, aspect);
     framing.place(&axes(&seen_from), fit).map(|pose| fields(&pose)).map_err(to_py)
+}
+
+#[pyfunction]
+pub fn camera_in_perspective(camera: Fields) -> Fields {
+    fields(&pose(camera).in_perspective())
+}
+
+#[pyfunction]
+pub fn camera_all_around(camera: Fields) -> Fields {
+    fields(&pose(camera).all_around())
+}
+
+#[pyfunction]
+pub fn camera_within(camera: Fields, is_level: bool) -> Fields {
+    fields(&pose(camera).within(is_level))
+}
+
+fn side(is_right: bool) -> Eye {
+    if is_right { Eye::Right } else { Eye::Left }
+}
+
+fn two_eyes((distance, convergence): (f64, f64)) -> TwoEyes {
+    TwoEyes { distance, convergence }
+}
+
+#[pyfunction]
+pub fn eyes_settled(camera: Fields, distance: Option<f64>, convergence: Option<f64>) -> (f64, f64) {
+    let eyes = TwoEyes::of(&pose(camera), distance, convergence);
+    (eyes.distance, eyes.convergence)
+}
+
+#[pyfunction]
+pub fn eyes_cut(eyes: (f64, f64), camera: Fields, height: usize) -> (usize, Option<f64>) {
+    let (eyes, pose) = (two_eyes(eyes), pose(camera));
+    (eyes.columns_cut(&pose, height), eyes.convergence_seen(&pose, height))
+}
+
+#[pyfunction]
+pub fn eye_of(eyes: (f64, f64), camera: Fields, is_right: bool) -> Fields {
+    fields(&two_eyes(eyes).eye(side(is_right), &pose(camera)))
+}
+
+#[pyclass(name = "Face", frozen)]
+pub struct PyFace(Face);
+
+type PlaceArrays<'py> = (Bound<'py, PyArray1<usize>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
+
+#[pymethods]
+impl PyFace {
+    #[staticmethod]
+    fn of_cube() -> Vec<Self> {
+        Face::of_cube().map(Self).into()
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (n = N_TURNS))]
+    fn of_turns(n: usize) -> Vec<Self> {
+        Face::of_turns(n).into_iter().map(Self).collect()
+    }
+
+    fn camera(&self, camera: Fields, panorama: [usize; 2], eye: Option<(bool, f64)>) -> (Fields, [usize; 2]) {
+        let eye = eye.map(|(is_right, distance)| (side(is_right), distance));
+        (fields(&self.0.pose(&pose(camera), panorama, eye)), self.0.size(panorama))
+    }
+
+    fn places<'py>(&self, py: Python<'py>, panorama: [usize; 2]) -> PlaceArrays<'py> {
+        let places = py.detach(|| self.0.places(panorama));
+        let at: Vec<[f64; 2]> = places.iter().map(|place| place.at).collect();
+        (
+            PyArray1::from_iter(py, places.iter().map(|place| place.pixel)),
+            PyArray1::from_iter(py, places.iter().map(|place| place.weight)),
+            rows(py, &at),
+        )
+    }
 }
 
 /// Axis, angle in degrees, and number of frames.

@@ -21,17 +21,21 @@
 //! # }
 //! ```
 
+mod eyes;
 mod fit;
 mod lens;
 mod named;
+mod panorama;
 mod path;
 mod pose;
 mod rotation;
 mod turn;
 
+pub use eyes::{Eye, TwoEyes, VIEW_ANGLE_DEG};
 pub use fit::{Fit, InView, box_corners, grid_corners};
 pub use lens::{FARTHEST, Lens};
 pub use named::{VIEWS, view_angles};
+pub use panorama::{Face, N_TURNS, Place};
 pub use path::CameraPath;
 pub use pose::Pose;
 pub use rotation::{Axes, about, orbit_axes, sin_cos_deg};

@@ -78,7 +78,7 @@ ROOMS = {
     "crates/lod/src": ["sample_box", "probe_rays", "level_brightness", "level_histogram", "level_transfer_function"],
     "crates/files/src": ["length_units", "stored", "error", "nifti", "nrrd"],
     "crates/look/src": ["numbers", "colors", "channel_colors", "map_tables", "colormaps"],
-    "crates/view/src": ["rotation", "lens", "named", "pose", "path", "fit", "turn"],
+    "crates/view/src": ["rotation", "lens", "named", "pose", "path", "fit", "turn", "eyes", "panorama"],
     "crates/document/src": ["error", "node", "fields", "camera", "patch", "view"],
     "crates/wavesplat/src": [
         "error",

@@ -10,9 +10,10 @@ from typer.testing import CliRunner
 
 import wavesplat as ws
 from wavesplat._cli import app
-from wavesplat._model.camera.stereo import Eyes, within
+from wavesplat._model.camera.fit import within
+from wavesplat._model.camera.stereo import Eyes
 from wavesplat._movie.turn import cameras_of
-from wavesplat._render import eyes
+from wavesplat._native import Face
 from wavesplat._render import eyes as eye_pictures
 
 #: A point: opaque where it is brightest, in a volume whose world is its index.
@@ -173,7 +174,7 @@ DIRECTIONS = [
 @pytest.mark.parametrize("faces", ["cube", "turns"])
 def test_a_point_lands_where_its_longitude_and_latitude_say(at, faces, monkeypatch):
     if faces == "turns":
-        turns = eyes.faces_of_turns(8)
+        turns = Face.of_turns(8)
         monkeypatch.setattr(eye_pictures, "_faces", lambda _: turns)
     camera = ws.Camera((MIDDLE, MIDDLE, MIDDLE), (MIDDLE + 5, MIDDLE, MIDDLE), (0, 0, 1), view_angle=90)
     options = {"size": (720, 360), "quality": "high", "device": "cpu", "depth": True}
@@ -192,8 +193,8 @@ def test_a_point_lands_where_its_longitude_and_latitude_say(at, faces, monkeypat
 
 def test_seams_of_the_cube_do_not_show(with_faces):
     # Against twice as many pictures of half the angle, whose seams are elsewhere.
-    cube = with_faces(eyes.faces_of_cube(), quality="high")
-    narrow = with_faces(eyes.faces_of_turns(8), quality="high")
+    cube = with_faces(Face.of_cube(), quality="high")
+    narrow = with_faces(Face.of_turns(8), quality="high")
     levels = 255 * np.abs(cube.rgba - narrow.rgba).max(axis=-1)
     longitude, latitude = np.meshgrid((np.arange(512) + 0.5) / 512 * 360 - 180, 90 - (np.arange(256) + 0.5) / 256 * 180)
     away = np.minimum(np.abs(np.abs(longitude) - 45), np.abs(np.abs(longitude) - 135))
@@ -208,15 +209,15 @@ def test_seams_of_the_cube_do_not_show(with_faces):
 
 
 def test_a_panorama_goes_on_at_its_left_edge(with_faces):
-    rgba = with_faces(eyes.faces_of_cube()).rgba
+    rgba = with_faces(Face.of_cube()).rgba
     inside = np.abs(np.diff(rgba, axis=1)).max()
     assert np.abs(rgba[:, 0] - rgba[:, -1]).max() < 2 * inside
 
 
 def test_light_stays_where_it_is_ahead(with_faces):
     # Of the camera's own light each picture would have another one, and seams would show.
-    lit = with_faces(eyes.faces_of_cube(), shading=ws.Shading(lights=[ws.Light((1, 1, 1))]))
-    narrow = with_faces(eyes.faces_of_turns(8), shading=ws.Shading(lights=[ws.Light((1, 1, 1))]))
+    lit = with_faces(Face.of_cube(), shading=ws.Shading(lights=[ws.Light((1, 1, 1))]))
+    narrow = with_faces(Face.of_turns(8), shading=ws.Shading(lights=[ws.Light((1, 1, 1))]))
     assert np.percentile(255 * np.abs(lit.rgba - narrow.rgba).max(axis=-1), 99) < 2.5
 
 

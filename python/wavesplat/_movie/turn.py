@@ -12,7 +12,7 @@ from wavesplat import _native
 from wavesplat._model.camera import fit
 from wavesplat._model.camera.camera import Camera
 from wavesplat._model.camera.path import MAX_FRAMES
-from wavesplat._model.camera.stereo import PLAIN, VIEW_ANGLE, Eyes, within
+from wavesplat._model.camera.stereo import PLAIN, Eyes
 from wavesplat._model.camera.views import Vector, vector
 from wavesplat._movie.key_frame import KeyFrame
 from wavesplat._movie.seen import direction_of, what_is_seen
@@ -99,7 +99,7 @@ class Turn:
     @property
     def angles(self) -> list[float]:
         """Angle of each frame, degrees."""
-        return _native.turn_angles(self._native)
+        return _native.turn_angles(self._fields)
 
     @property
     def time_of_frames(self) -> list[int] | None:
@@ -109,7 +109,7 @@ class Turn:
         return [self.times[k * len(self.times) // self.frames] for k in range(self.frames)]
 
     @property
-    def _native(self) -> tuple[Vector, float, int]:
+    def _fields(self) -> tuple[Vector, float, int]:
         return self.axis, self.degrees, self.frames
 
 
@@ -124,26 +124,26 @@ def key_frames(turn: Turn, cameras: Sequence[Camera], fps: float) -> list[KeyFra
 def cameras_of(turn: Turn, scene: Scene, composite: Operator | None, aspect: float, eyes: Eyes = PLAIN) -> list[Camera]:
     """The cameras of a turn about what is seen of a scene; of panoramas they turn in the middle of it."""
     if not eyes.are_plain and turn.view_angle is None and not isinstance(turn.start, Camera):
-        turn = replace(turn, view_angle=VIEW_ANGLE)
+        turn = replace(turn, view_angle=_native.VIEW_ANGLE)
     cameras = _cameras(turn, scene, composite, aspect)
     if eyes.panorama and not isinstance(turn.start, Camera):
-        return [within(camera, is_level=turn.elevation == 0) for camera in cameras]
+        return [fit.within(camera, is_level=turn.elevation == 0) for camera in cameras]
     return [eyes.camera(camera) for camera in cameras]
 
 
 def turned_in_place(turn: Turn, camera: Camera) -> list[Camera]:
     """Cameras that turn where a camera is."""
-    return fit.cameras_at(_native.turn_in_place(turn._native, fit.fields_of(camera)))
+    return fit.cameras_at(_native.turn_in_place(turn._fields, fit.fields_of(camera)))
 
 
 def _cameras(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) -> list[Camera]:
     if isinstance(turn.start, Camera):
         first = turn.start.turned(turn.azimuth, turn.elevation).zoomed(turn.zoom)
-        return fit.cameras_at(_native.turn_around(turn._native, fit.fields_of(first)))
+        return fit.cameras_at(_native.turn_around(turn._fields, fit.fields_of(first)))
     azimuth, elevation = direction_of(scene, turn.start, composite)
     around, points = what_is_seen(scene, composite, turn.times)
     return fit.cameras_in_view(
-        turn._native,
+        turn._fields,
         azimuth + turn.azimuth,
         elevation + turn.elevation,
         around,

@@ -21,8 +21,9 @@ from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
 from wavesplat._model.arguments.clips import Clipping
 from wavesplat._model.arguments.sampling import MAX_SIDE_PX, Composite
+from wavesplat._model.camera import fit
 from wavesplat._model.camera.camera import Camera, check_place, check_view
-from wavesplat._model.camera.stereo import PLAIN, VIEW_ANGLE, Eyes, within
+from wavesplat._model.camera.stereo import PLAIN, Eyes
 from wavesplat._model.camera.views import view_angles
 from wavesplat._model.volume.cutting import Boxes, without
 from wavesplat._model.volume.grid import Grid
@@ -126,7 +127,7 @@ def chosen_camera(
     else:
         azimuth, elevation = view_angles("anterior" if view is None else view, is_anatomical=first.is_anatomical)
     if view_angle is None and not eyes.are_plain:
-        view_angle = VIEW_ANGLE
+        view_angle = _native.VIEW_ANGLE
     # A picture without pixels has no aspect; the compiled module refuses it.
     fitting: Any = {"clipping": clipping, "zoom": zoom, "aspect": aspect if aspect > 0 else 1.0, "also": also}
     camera = framing.framed(parts, azimuth, elevation, view_angle=view_angle, **fitting)
@@ -135,7 +136,7 @@ def chosen_camera(
     for volume, _ in parts:
         check_view(camera, volume)
     # Who lifts the eye wants to look down or up.
-    return within(camera, is_level=turned is None or turned[1] == 0) if eyes.panorama else camera
+    return fit.within(camera, is_level=turned is None or turned[1] == 0) if eyes.panorama else camera
 
 
 def cut_open(volume: Volume | WaveletVolume, boxes: Boxes) -> Volume | WaveletVolume:

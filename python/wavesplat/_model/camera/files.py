@@ -48,8 +48,6 @@ def build(document: dict[str, Any]) -> Camera:
 
 # Cameras of VTK and PyVista, read by the names of their methods, so that neither is imported.
 
-#: VTK's default angle of view, degrees.
-VIEW_ANGLE = 30.0
 FORMS = "a pyvista.Plotter, its camera or camera_position, or a vtkCamera"
 
 
@@ -78,5 +76,5 @@ def camera_of(source: Any, view_angle: float | None, parallel_scale: float | Non
             raise ArgumentError(f"source is {described(source)}; give {FORMS}") from None
         triple = (position, focal_point, view_up)
         if view_angle is None and parallel_scale is None:
-            view_angle = VIEW_ANGLE
+            view_angle = _native.VIEW_ANGLE
     return Camera(*triple, view_angle=view_angle, parallel_scale=parallel_scale)

@@ -123,6 +123,24 @@ def zoomed(camera: Camera, factor: float) -> Camera:
     return camera_at(Placed(*_native.camera_zoomed(fields_of(camera), factor)))
 
 
+def in_perspective(camera: Camera) -> Camera:
+    """A perspective camera that shows as much in the focal plane as an orthographic one, from where 30 degrees do."""
+    return camera_at(Placed(*_native.camera_in_perspective(fields_of(camera))))
+
+
+def all_around(camera: Camera) -> Camera:
+    """The camera of a panorama from where a camera is."""
+    return camera_at(Placed(*_native.camera_all_around(fields_of(camera))))
+
+
+def within(camera: Camera, *, is_level: bool = True) -> Camera:
+    """The camera moved to its focal point: the eye of a panorama from the middle of what the camera shows.
+
+    It looks the same way or, level, along the horizon below or above that, with the world's z upright.
+    """
+    return camera_at(Placed(*_native.camera_within(fields_of(camera), is_level)))
+
+
 def axes_of(camera: Camera) -> Vectors:
     """Rows: right, up, and back (towards the eye) of a camera, unit vectors in the world."""
     return _native.camera_axes(fields_of(camera))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import dist, radians, tan
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
+from wavesplat import _native
 from wavesplat._public import public
 from wavesplat._system.values import described, positive
 from wavesplat.errors import ArgumentError
@@ -19,13 +19,6 @@ if TYPE_CHECKING:
 Layout: TypeAlias = Literal["side-by-side", "top-bottom", "anaglyph", "left", "right"]
 Side: TypeAlias = Literal["left", "right"]
 LAYOUTS: tuple[str, ...] = get_args(Layout)
-
-#: Vertical angle of view, degrees, that VTK and ParaView give a camera, for views that are orthographic by themselves.
-VIEW_ANGLE = 30.0
-#: Least share of a view's up along the world's z of one that has a horizon.
-MIN_UPRIGHT = 0.5
-#: Angle between the eyes, seen from where they converge, degrees: the default of VTK's and ParaView's cameras.
-EYE_ANGLE = 2.0
 
 
 @public
@@ -84,16 +77,15 @@ class Stereo:
 
     def settled(self, camera: Camera, *, is_panorama: bool) -> Stereo:
         """The same with its distances written out, for a camera."""
-        middle = dist(camera.position, camera.focal_point)
+        from wavesplat._model.camera import fit  # with NumPy, which the command line starts without
+
+        if is_panorama and self.convergence is not None:
+            raise ArgumentError(
+                "convergence is of flat pictures: eyes of a panorama look in parallel; leave out convergence"
+            )
+        apart, convergence = _native.eyes_settled(fit.fields_of(camera), self.eye_distance, self.convergence)
         if is_panorama:
-            if self.convergence is not None:
-                raise ArgumentError(
-                    "convergence is of flat pictures: eyes of a panorama look in parallel; leave out convergence"
-                )
-            apart = self.eye_distance or 2 * middle * tan(radians(EYE_ANGLE / 2))
             return replace(self, eye_distance=apart)
-        convergence = self.convergence or middle
-        apart = self.eye_distance or 2 * convergence * tan(radians(EYE_ANGLE / 2))
         if apart > convergence:
             raise ArgumentError(
                 f"eye_distance is {apart:g} and convergence {convergence:g} world units; nobody can look at what is "
@@ -136,9 +128,11 @@ class Eyes(NamedTuple):
 
     def camera(self, given: Camera) -> Camera:
         """The camera itself, in perspective where two eyes or a panorama need it."""
+        from wavesplat._model.camera import fit
+
         if self.panorama:
-            return replace(given, parallel_scale=None, view_angle=90.0)
-        return given if self.stereo is None else in_perspective(given)
+            return fit.all_around(given)
+        return given if self.stereo is None else fit.in_perspective(given)
 
 
 #: One eye that looks ahead.
@@ -156,36 +150,3 @@ def checked_eyes(stereo: object, panorama: object) -> Eyes:
     if not isinstance(panorama, bool):
         raise ArgumentError(f"panorama is {described(panorama)}; give True or False")
     return Eyes(stereo, panorama)
-
-
-def in_perspective(camera: Camera) -> Camera:
-    """A perspective camera that shows as much in the focal plane as an orthographic one, from where 30 degrees do."""
-    from wavesplat._model.camera import fit  # with NumPy, which the command line starts without
-
-    if camera.view_angle is not None:
-        return camera
-    back = fit.axes_of(camera)[2]
-    distance = (camera.parallel_scale or 0.0) / tan(radians(VIEW_ANGLE / 2))
-    place = tuple((camera.focal_point + distance * back).tolist())
-    return replace(camera, position=place, parallel_scale=None, view_angle=VIEW_ANGLE)
-
-
-def within(camera: Camera, *, is_level: bool = True) -> Camera:
-    """The camera moved to its focal point: the eye of a panorama from the middle of what the camera shows.
-
-    It looks the same way or, level, along the horizon below or above that, with the world's z upright; views along z
-    have none. The focal point is as far ahead as the camera shows to each side, as what is around the eye is.
-    """
-    import numpy as np
-
-    from wavesplat._model.camera import fit as camera_fit
-    from wavesplat._model.camera.camera import Camera
-
-    _, up, back = camera_fit.axes_of(camera)
-    far = camera.parallel_scale
-    if far is None:
-        far = dist(camera.position, camera.focal_point) * tan(radians((camera.view_angle or 0.0) / 2))
-    if is_level and abs(up[2]) > MIN_UPRIGHT:
-        up, back = np.array([0.0, 0.0, np.sign(up[2])]), back * (1.0, 1.0, 0.0)
-    ahead = camera.focal_point - far / np.linalg.norm(back) * back
-    return Camera(camera.focal_point, ahead, up, view_angle=90.0)

@@ -8,10 +8,14 @@ from numpy.typing import NDArray
 
 __all__ = [
     "CHANNEL_COLORS",
+    "CT_WINDOWS",
     "FARTHEST",
     "MAP_NODES",
+    "PRESET_GROUPS",
     "RISES",
+    "SCALES",
     "SHOWS_THROUGH",
+    "SLICER_PREFIX",
     "VIEWS",
     "VIEW_ANGLE",
     "Ablation",
@@ -69,7 +73,9 @@ __all__ = [
     "optional_number",
     "orbit_axes",
     "patched",
+    "plain_name",
     "plane",
+    "presets",
     "quality_settings",
     "raycast",
     "render",
@@ -78,7 +84,9 @@ __all__ = [
     "rgb_bytes",
     "rise_nodes",
     "samples_for",
+    "scale_nodes",
     "sin_cos_deg",
+    "slicer_presets",
     "smallest_budget",
     "splat_ablated",
     "splat_literal",
@@ -103,6 +111,14 @@ FARTHEST: float
 VIEW_ANGLE: float
 #: Azimuth and elevation, degrees, of the named views.
 VIEWS: dict[str, tuple[float, float]]
+#: Level and width of windows of CT, Hounsfield units.
+CT_WINDOWS: dict[str, tuple[float, float]]
+#: Kinds of data that presets are for, and their titles.
+PRESET_GROUPS: dict[str, str]
+#: Text before the names of presets of 3D Slicer.
+SLICER_PREFIX: str
+#: Scales of the values of curves, and whether they need no volume.
+SCALES: list[tuple[str, bool]]
 #: Colours of a map that is even.
 MAP_NODES: int
 #: Names of curves of opacity.
@@ -716,6 +732,12 @@ def channel_color(
 def distinct_colors(
     wanted: Sequence[tuple[float, float, float] | None], own: Sequence[tuple[float, float, float] | None]
 ) -> list[tuple[float, float, float]]: ...
+def plain_name(name: str) -> str: ...
+def presets() -> list[dict[str, Any]]: ...
+def slicer_presets() -> list[tuple[str, bool, dict[str, Any]]]: ...
+def scale_nodes(
+    scale: str, nodes: Sequence[Sequence[float]], low: float, high: float, widths: bool
+) -> list[list[float]] | None: ...
 def map_colors(name: str) -> NDArray[np.float64] | None: ...
 def map_is_diverging(name: str) -> bool | None: ...
 def map_nodes(

@@ -5,6 +5,7 @@
 //! line that excites, whose light is about 30 nm longer.
 
 use crate::colors::Rgb;
+use crate::texts::is_blank;
 
 /// Conventional colours of channels without a colour, and of unknown light: green, magenta, cyan, yellow, red, blue,
 /// white, orange.
@@ -143,7 +144,7 @@ pub fn usual_color(channel: &ChannelFacts<'_>) -> Option<Rgb> {
         if words(&name).iter().any(|word| TRANSMITTED.contains(&word.as_str())) {
             return Some(WHITE);
         }
-        let bare = name.trim_matches(|c: char| c.is_whitespace() || ('\u{1c}'..='\u{1f}').contains(&c));
+        let bare = name.trim_matches(is_blank);
         return NAMES_OF_COLORS.iter().find(|(known, _)| *known == bare).map(|&(_, color)| color);
     };
     let of_light = || COLORS_OF_LIGHT.iter().find(|(longest, _)| wavelength < *longest).map_or(FAR_RED, |&(_, c)| c);

@@ -52,7 +52,8 @@ mod _native {
     use crate::length_units::{in_one_unit, reported_unit, unit_factor, unit_guesses, unit_metres, unit_name};
     #[pymodule_export]
     use crate::look::{
-        channel_color, distinct_colors, label_color, map_colors, map_is_diverging, map_nodes, rise_nodes,
+        channel_color, distinct_colors, label_color, map_colors, map_is_diverging, map_nodes, plain_name, presets,
+        rise_nodes, scale_nodes, slicer_presets,
     };
     #[pymodule_export]
     use crate::reference::{raycast, splat_literal};
@@ -92,6 +93,11 @@ mod _native {
         module.add("VIEW_ANGLE", wavesplat::view::VIEW_ANGLE_DEG)?;
         module.add("CHANNEL_COLORS", wavesplat::look::channel_colors::CHANNEL_COLORS.map(<(f64, f64, f64)>::from))?;
         module.add("MAP_NODES", wavesplat::look::colormaps::N_NODES)?;
+        let windows = wavesplat::look::windows::CT_WINDOWS.map(|(name, window)| (name, <(f64, f64)>::from(window)));
+        module.add("CT_WINDOWS", windows.into_py_dict(module.py())?)?;
+        module.add("PRESET_GROUPS", wavesplat::look::presets::GROUPS.into_py_dict(module.py())?)?;
+        module.add("SLICER_PREFIX", wavesplat::look::presets::SLICER_PREFIX)?;
+        module.add("SCALES", wavesplat::look::scale::Scale::NAMES.map(|(name, scale)| (name, scale.is_absolute())))?;
         let rises = wavesplat::look::colormaps::Rise::NAMED.map(|(name, _)| name);
         module.add("RISES", rises)?;
         let views = wavesplat::view::VIEWS.map(|(name, azimuth, elevation)| (name, (azimuth, elevation)));

@@ -2,9 +2,14 @@
 
 use numpy::{PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use wavesplat::Composite;
 use wavesplat::look::channel_colors::{self, ChannelFacts};
 use wavesplat::look::colormaps::{ColorMap, MapRange, Rise};
 use wavesplat::look::colors;
+use wavesplat::look::presets::{OpacityUnit, Preset, SlicerPreset, ours, slicer_name, slicers};
+use wavesplat::look::scale::Scale;
+use wavesplat::look::texts;
 
 use crate::arguments::rows;
 
@@ -72,4 +77,93 @@ pub fn rise_nodes(name: Option<&str>, numbers: Vec<f64>, range: RangeTuple) -> O
     };
     let nodes = rise.over(|place| map_range(range).value_at(place));
     Some(nodes.into_iter().map(|node| (node.value, node.opacity)).collect())
+}
+
+#[pyfunction]
+pub fn plain_name(name: &str) -> String {
+    texts::plain(name)
+}
+
+/// Our presets, each as the fields of its document.
+#[pyfunction]
+pub fn presets(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    ours().iter().map(|preset| document(py, preset)).collect()
+}
+
+fn document<'py>(py: Python<'py>, preset: &Preset) -> PyResult<Bound<'py, PyDict>> {
+    let curves = PyDict::new(py);
+    curves.set_item("values", preset.scale.name())?;
+    match preset.opacity_unit {
+        OpacityUnit::Voxel => curves.set_item("opacity_unit", py.None())?,
+        OpacityUnit::World(unit) => curves.set_item("opacity_unit", unit)?,
+        OpacityUnit::Share(share) => curves.set_item("opacity_unit_share", share)?,
+    }
+    set_curves(&curves, preset.opacity, preset.color, preset.gradient_opacity)?;
+    let found = PyDict::new(py);
+    found.set_item("version", 1)?;
+    found.set_item("name", preset.name)?;
+    found.set_item("kind", preset.kind)?;
+    found.set_item("description", preset.description)?;
+    found.set_item("transfer_function", curves)?;
+    let light = preset.shading.map(|settings| -> PyResult<_> {
+        let light = PyDict::new(py);
+        settings.iter().try_for_each(|(name, value)| light.set_item(name, value))?;
+        Ok(light)
+    });
+    found.set_item("shading", light.transpose()?)?;
+    found.set_item("composite", if preset.composite == Composite::Maximum { "maximum" } else { "over" })?;
+    found.set_item("background", preset.is_on_white.then_some("white"))?;
+    found.set_item("part", preset.is_of_brain.then_some("brain"))?;
+    Ok(found)
+}
+
+fn set_curves(
+    fields: &Bound<'_, PyDict>,
+    opacity: &[(f64, f64)],
+    color: &[(f64, [f64; 3])],
+    gradients: &[(f64, f64)],
+) -> PyResult<()> {
+    let color: Vec<_> = color.iter().map(|&(value, [r, g, b])| (value, r, g, b)).collect();
+    fields.set_item("opacity", opacity.to_vec())?;
+    fields.set_item("color", color)?;
+    fields.set_item("gradient_opacity", gradients.to_vec())
+}
+
+/// 3D Slicer's presets: public name, whether its values are Hounsfield units, and the fields of Slicer's record.
+#[pyfunction]
+pub fn slicer_presets(py: Python<'_>) -> PyResult<Vec<(String, bool, Bound<'_, PyDict>)>> {
+    let fields = |one: &SlicerPreset| {
+        let found = PyDict::new(py);
+        found.set_item("name", one.name)?;
+        found.set_item("shade", one.is_lit)?;
+        let terms = [("ambient", one.ambient), ("diffuse", one.diffuse), ("specular", one.specular)];
+        terms.iter().try_for_each(|(name, value)| found.set_item(name, value))?;
+        found.set_item("specular_power", one.specular_power)?;
+        set_curves(&found, one.opacity, one.color, one.gradient_opacity)?;
+        Ok((slicer_name(one), one.is_hounsfield(), found))
+    };
+    slicers().iter().map(fields).collect()
+}
+
+/// Nodes with values instead of places on a scale, or, of `widths`, of differences.
+#[pyfunction]
+pub fn scale_nodes(scale: &str, nodes: Vec<Vec<f64>>, low: f64, high: f64, widths: bool) -> Option<Vec<Vec<f64>>> {
+    let scale = Scale::NAMES.iter().find(|(name, _)| *name == scale)?.1;
+    match nodes.first().map_or(0, Vec::len) {
+        0 => Some(nodes),
+        2 => nodes_of::<2>(scale, nodes, low, high, widths),
+        _ => nodes_of::<4>(scale, nodes, low, high, widths),
+    }
+}
+
+fn nodes_of<const N: usize>(
+    scale: Scale,
+    nodes: Vec<Vec<f64>>,
+    low: f64,
+    high: f64,
+    widths: bool,
+) -> Option<Vec<Vec<f64>>> {
+    let nodes: Vec<[f64; N]> = nodes.into_iter().map(|node| node.try_into().ok()).collect::<Option<_>>()?;
+    let found = if widths { scale.widened(&nodes, low, high) } else { scale.placed(&nodes, low, high) };
+    Some(found.into_iter().map(Vec::from).collect())
 }

@@ -37,8 +37,32 @@
 //! # }
 //! ```
 //!
+//! A look by name takes the place of curves and light:
+//!
+//! ```
+//! # use wavesplat::glam::DAffine3;
+//! # use wavesplat::view::{Fit, InView, grid_corners};
+//! use wavesplat::{FrameOptions, Look, Samples, Scene, Volume};
+//!
+//! # fn main() -> wavesplat::Result<()> {
+//! // A bone of 700 Hounsfield units in air.
+//! let value = |i: usize| if (i % 16).abs_diff(8) < 3 { 700 } else { -1000 };
+//! let samples: Vec<i16> = (0..16 * 16 * 16).map(value).collect();
+//! let volume = Volume::new("bone", Samples::I16(&samples), [16, 16, 16], DAffine3::IDENTITY)?;
+//! # let corners = grid_corners(volume.grid());
+//! # let camera = InView::around(&corners).orbit(30.0, 20.0, Fit::View)?.camera()?;
+//!
+//! let look = Look::preset("ct-bone")?;
+//! let options = FrameOptions { composite: look.composite, ..FrameOptions::default() };
+//! let frame = Scene::with_look(volume, &look).render(&camera, [64, 64], &options)?;
+//! assert!(frame.picture.rgba.iter().any(|pixel| pixel[3] > 0.9));
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # More types
 //!
+//! - [`Look::preset`]: looks by name, ours and 3D Slicer's; [`look`]: colour maps, windows of CT, colours of channels.
 //! - [`document::CameraDocument`]: cameras that Python or the viewer saved as JSON.
 //! - [`view::InView`]: cameras on an orbit, or of a named view, that show all of a volume; [`view::Pose`]: their turns.
 //! - [`Composite`]: *over*, first hit of an isosurface, and projections (MIP and others).
@@ -116,7 +140,7 @@ pub use wavesplat_document as document;
 pub use wavesplat_files as files;
 #[cfg(feature = "gpu")]
 pub use wavesplat_gpu as gpu;
-pub use wavesplat_look as look;
+pub use wavesplat_look::{self as look, Look};
 pub use wavesplat_splat::optics::labels::{Codes, Labels};
 pub use wavesplat_splat::quality::target_psnr::{Estimate, Framing, Measured, PsnrTarget, RungError, Sampling};
 pub use wavesplat_splat::render::frame::SHOWS_THROUGH;

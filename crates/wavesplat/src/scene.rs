@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use wavesplat_core::{ClipPlane, Composite, Crop, Grid, Kernel, Result, Shading, Shapes, TransferFunction, Volume};
+use wavesplat_look::Look;
 use wavesplat_splat::optics::labels::Labels;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::source::slices::Slices;
@@ -71,6 +72,14 @@ impl<'a> Scene<'a> {
     /// Scene of samples with the default shading.
     pub fn new(volume: Volume<'a>, transfer_function: TransferFunction) -> Self {
         Self::of(vec![SceneLayer::new(SceneVolume::Samples(volume, Arc::default()), transfer_function)])
+    }
+
+    /// Scene of samples with a look: its transfer function, light and background. Its operator is for
+    /// [`FrameOptions::composite`](crate::FrameOptions).
+    pub fn with_look(volume: Volume<'a>, look: &Look) -> Self {
+        let mut scene = Self::new(volume, look.transfer_function.clone());
+        scene.layers[0].shading.clone_from(&look.shading);
+        Self { background: look.background, ..scene }
     }
 
     /// Sources of samples: the layers' volumes, and after them the fields that colour layers, in the order of these.

@@ -2,8 +2,7 @@
 
 A window has a level, its middle, and a width: black is level - width / 2, white is level + width / 2. DICOM calls that
 LINEAR_EXACT (PS3.3, C.11.2.1.3.2); its older LINEAR (C.11.2.1.2) is half a unit lower and one narrower.
-Names stand for windows of CT, in Hounsfield units, from the table of radiopaedia.org/articles/windowing-ct, the middle
-of the range where it gives one; windows of angiography are of everyday use.
+Names stand for windows of CT, in Hounsfield units, of `crates/look` (`windows.rs`).
 """
 
 from __future__ import annotations
@@ -13,6 +12,7 @@ from difflib import get_close_matches
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from wavesplat import _native
 from wavesplat._looks.curves.value_scale import End, are_percentiles, values_of
 from wavesplat._looks.kinds.histogram import robust_range
 from wavesplat._looks.presets import added_to_hounsfield, plain
@@ -25,20 +25,7 @@ if TYPE_CHECKING:
 
 
 #: Level and width, Hounsfield units.
-CT_WINDOWS = {
-    "abdomen": (50.0, 400.0),
-    "angio": (300.0, 600.0),
-    "bone": (400.0, 1800.0),
-    "brain": (40.0, 80.0),
-    "liver": (30.0, 150.0),
-    "lung": (-600.0, 1500.0),
-    "mediastinum": (50.0, 350.0),
-    "soft-tissue": (40.0, 375.0),
-    "spine": (50.0, 250.0),
-    "stroke": (40.0, 40.0),
-    "subdural": (75.0, 215.0),
-    "temporal-bone": (600.0, 2800.0),
-}
+CT_WINDOWS: dict[str, tuple[float, float]] = _native.CT_WINDOWS
 
 
 def limits(

@@ -18,8 +18,8 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from wavesplat import _native
 from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
@@ -90,14 +90,13 @@ def _value(end: End, volume: Volume | WaveletVolume | None) -> float:
 
 Nodes: TypeAlias = list[tuple[float, ...]]
 
-#: Scales that need no volume.
-ABSOLUTE = ("samples", "hounsfield")
+#: All scales, and those that need no volume.
+NAMES = tuple(name for name, _ in _native.SCALES)
+ABSOLUTE = tuple(name for name, is_absolute in _native.SCALES if is_absolute)
 #: Percentile of the magnitudes that counts as the largest, and percentile of the object that counts as its largest.
 LARGEST_MAGNITUDE, LARGEST_OF_OBJECT = 99.9, 99.5
 #: Percentiles of the positive values that count as smallest and largest, as `thresholds.ROBUST`.
 ROBUST = (0.1, 99.9)
-#: Nodes of a curve that is even in the logarithm; what lies between two is off by less than half a level of 255.
-N_LOG = 65
 
 
 def _fraction(volume: Volume | WaveletVolume) -> tuple[float, float]:
@@ -156,25 +155,25 @@ ENDS: dict[str, Callable[[Any], tuple[float, float]]] = {
     "maximum": _maximum,
     "log": positive_range,
 }
-NAMES = (*ABSOLUTE, *ENDS)
 
 
 def nodes_on(scale: str, nodes: Iterable[Sequence[float]], volume: Volume | WaveletVolume) -> Nodes:
     """Nodes whose first number is a place on a scale, with the sample value instead."""
     if scale in ABSOLUTE:
         return [tuple(node) for node in nodes]
-    low, high = ends(scale, volume)
-    if scale == "log":
-        return _even_in_the_logarithm(nodes, low, high)
-    return [(low + place * (high - low), *rest) for place, *rest in nodes]
+    return _placed(scale, nodes, volume, widths=False)
 
 
 def widths_on(scale: str, nodes: Iterable[Sequence[float]], volume: Volume | WaveletVolume) -> Nodes:
     """Nodes whose first number is a difference on a scale, such as a gradient, with the difference of sample values."""
     if scale in ABSOLUTE:
         return [tuple(node) for node in nodes]
-    low, high = ends(scale, volume)
-    return [(width * (high - low), *rest) for width, *rest in nodes]
+    return _placed(scale, nodes, volume, widths=True)
+
+
+def _placed(scale: str, nodes: Iterable[Sequence[float]], volume: Volume | WaveletVolume, *, widths: bool) -> Nodes:
+    placed = _native.scale_nodes(scale, list(nodes), *ends(scale, volume), widths)
+    return [tuple(node) for node in placed or ()]
 
 
 def ends(scale: str, volume: Volume | WaveletVolume) -> tuple[float, float]:
@@ -182,11 +181,3 @@ def ends(scale: str, volume: Volume | WaveletVolume) -> tuple[float, float]:
     low, high = ENDS[scale](volume)
     # A volume that is the same everywhere has no range; any will do.
     return (low, high) if low < high else (low, low + (abs(low) or 1.0))
-
-
-def _even_in_the_logarithm(nodes: Iterable[Sequence[float]], low: float, high: float) -> Nodes:
-    table = np.array(list(nodes), dtype=np.float64)
-    places: NDArray[np.float64] = np.unique([*table[:, 0], *np.linspace(table[0, 0], table[-1, 0], N_LOG)])
-    values = low * (high / low) ** places
-    columns = [np.interp(places, table[:, 0], column) for column in table.T[1:]]
-    return [tuple(float(number) for number in node) for node in zip(values, *columns, strict=True)]

@@ -16,21 +16,19 @@ What is taken over, and how:
 - Not taken over: interpolation, effective range, and all but the first component.
 
 Sources: github.com/Slicer/Slicer, Modules/Loadable/VolumeRendering (storage nodes, schema, developer guide), commit
-583e9b37; the built-in presets are the points of its presets.xml.
+583e9b37; `crates/look` has the points of its presets.xml.
 """
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._looks.curves.transfer_function import TransferFunction
 from wavesplat._looks.interchange import vtk_curves
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
-from wavesplat._storage import json_texts
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -91,12 +89,6 @@ class VolumeProperty:
             name=self.name,
             reason=f"3D Slicer's {self.name}.",
         )
-
-
-def built_in() -> list[VolumeProperty]:
-    """Slicer's presets."""
-    text = (files("wavesplat._looks.presets") / "slicer" / "presets.json").read_text(encoding="utf-8")
-    return [VolumeProperty(**fields) for fields in json_texts.parse(text, WHAT, "presets")["presets"]]
 
 
 def from_xml(root: Element) -> list[VolumeProperty]:

@@ -1,4 +1,4 @@
-"""Looks by name: ours, one JSON file each, and those of 3D Slicer.
+"""Looks by name: ours, and those of 3D Slicer; `crates/look` has their numbers (`presets`).
 
 How a name is written does not matter: case, and `-`, `_` or a blank between words, are alike.
 Where Slicer has a preset of the same name as ours, the plain name is ours, and `slicer-` before it means Slicer's.
@@ -6,22 +6,20 @@ Where Slicer has a preset of the same name as ours, the plain name is ours, and 
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache, partial
-from importlib.resources import files
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from wavesplat import _native
 from wavesplat._looks import look_files
 from wavesplat._looks.body.brain import brain_of
 from wavesplat._looks.interchange import slicer_files
 from wavesplat._looks.kinds.histogram import is_hounsfield
 from wavesplat._looks.kinds.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.look import Look
-from wavesplat._storage import json_texts
 from wavesplat._system.threads import warn
 from wavesplat.errors import ArgumentError
 
@@ -30,16 +28,9 @@ if TYPE_CHECKING:
     from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
 #: Kinds of data that presets are for, in the order of lists, and their titles.
-GROUPS = {
-    "ct": "CT, in Hounsfield units",
-    "mr": "Magnetic resonance, in any units",
-    "pet": "PET and SPECT, in any units",
-    "microscopy": "Microscopy, in any units",
-    "simulation": "Simulation, in any units",
-    "any": "Any data",
-    "slicer": "3D Slicer's presets: their points and light",
-}
-PREFIX = "slicer-"
+GROUPS: dict[str, str] = _native.PRESET_GROUPS
+#: A name without differences that do not matter: case and kinds of separators.
+plain = _native.plain_name
 #: Kinds of presets for each kind of data.
 KINDS_FOR: dict[Kind, tuple[str, ...]] = {
     "CT": ("ct",),
@@ -80,13 +71,10 @@ class Preset:
 @cache
 def catalogue() -> dict[str, Preset]:
     """All presets but `auto`, by name, in groups; names within a group are in alphabetical order."""
-    found = [_read(name) for name in json_texts.names_in(files(__name__))]
-    found.sort(key=lambda preset: (list(GROUPS).index(preset.kind), preset.name))
-    ours = {plain(preset.name) for preset in found}
-    for one in slicer_files.built_in():
-        name = f"{PREFIX}{one.name}" if plain(one.name) in ours else one.name
-        is_hounsfield = one.name.startswith("CT-")
-        found.append(Preset(name, "slicer", _in_words(one), is_hounsfield, one.look))
+    found = [_of_document(document) for document in _native.presets()]
+    for name, has_units, fields in _native.slicer_presets():
+        one = slicer_files.VolumeProperty(**fields)
+        found.append(Preset(name, "slicer", _in_words(one), has_units, one.look))
     return {preset.name: preset for preset in found}
 
 
@@ -164,17 +152,10 @@ def added_to_hounsfield(what: str, volume: Volume | WaveletVolume) -> float:
     return 0.0
 
 
-def plain(name: str) -> str:
-    """A name without differences that do not matter: case and kinds of separators."""
-    return re.sub(r"[\s_-]+", "-", name.strip().lower())
-
-
-def _read(name: str) -> Preset:
-    text = (files(__name__) / f"{name}.json").read_text(encoding="utf-8")
-    document = json_texts.parse(text, "preset", "transfer_function")
-    is_hounsfield = document["transfer_function"].get("values") == "hounsfield"
+def _of_document(document: dict[str, Any]) -> Preset:
+    is_hounsfield = document["transfer_function"]["values"] == "hounsfield"
     build = partial(look_files.build, document)
-    return Preset(name, document["kind"], document["description"], is_hounsfield, build, document.get("part"))
+    return Preset(document["name"], document["kind"], document["description"], is_hounsfield, build, document["part"])
 
 
 def _in_words(one: slicer_files.VolumeProperty) -> str:
@@ -189,7 +170,8 @@ def checked_name(name: str) -> str:
     wanted = plain(name)
     spellings = {plain(known): known for known in names()}
     # Slicer's own names have no prefix; all of them may have it.
-    spellings |= {PREFIX + plain(known.name): known.name for known in catalogue().values() if known.kind == "slicer"}
+    of_slicer = [known.name for known in catalogue().values() if known.kind == "slicer"]
+    spellings |= {_native.SLICER_PREFIX + plain(known): known for known in of_slicer}
     if wanted in spellings:
         return spellings[wanted]
     within = [known for spelled, known in spellings.items() if wanted and wanted in spelled]

@@ -31,21 +31,17 @@ from wavesplat._readers import single_planes
 from wavesplat._readers.dicom.places import begins_as_dicom
 from wavesplat._readers.families import reader_of
 from wavesplat._readers.file_contents import Contents, contents_of
-from wavesplat._readers.hdf5 import netcdf
-from wavesplat._readers.hdf5.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.levels import INSTEAD, Levels
 from wavesplat._readers.microscopes import bioio_files
-from wavesplat._readers.microscopes.bdv_n5 import holds_setups
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import PLANES_ARE_TAKEN, Grid, Request, requested
-from wavesplat._readers.simulations import vasp
 from wavesplat._readers.unsupported_formats import (
     check_no_empty_case,
     foreign_content,
     foreign_folder,
     foreign_kind,
 )
-from wavesplat._readers.vtk import grids
+from wavesplat._readers.vtk.arrays import GRID_SUFFIXES
 from wavesplat._storage import size_checks
 from wavesplat._storage.file_states import StoredFiles
 from wavesplat._storage.paths import FileName, check_no_pipe, check_text, printable
@@ -82,7 +78,7 @@ SUFFIXES = {
     ".mhd": "itk",
     ".vtk": "vtk_legacy",
     ".vti": "vti",
-    **dict.fromkeys(grids.SUFFIXES, "vtk_grids"),
+    **dict.fromkeys(GRID_SUFFIXES, "vtk_grids"),
     **dict.fromkeys((".pvd", ".series"), "vtk_series"),
     ".dcm": "dicom",
     ".ima": "dicom",
@@ -261,8 +257,10 @@ def contents(request: Request) -> Contents | None:
     if request.is_url:
         return None
     family = _family(replace(request, dataset=None))
-    if family == "vtk_legacy" and grids.is_grid(request.file, or_mesh=True):
-        family = "vtk_grids"
+    if family == "vtk_legacy":
+        from wavesplat._readers.vtk import grids
+
+        family = "vtk_grids" if grids.is_grid(request.file, or_mesh=True) else family
     return contents_of(request, family)
 
 
@@ -408,7 +406,9 @@ def _family(request: Request) -> str:
         for name in _names_in(path.parent):
             check_text(path.parent / name)
     if family == "hdf5" and request.dataset is None:
-        return hdf5_kind(path)
+        from wavesplat._readers.hdf5.hdf5 import kind_of
+
+        return kind_of(path)
     if family is None:
         raise foreign_kind(path) or FileError(
             f"unknown kind of file; wavesplat reads {KINDS}; for raw samples pass shape=(z, y, x) and dtype=: {path}"
@@ -445,6 +445,8 @@ def _family_of_folder(folder: Path) -> str:
         return "ome_zarr"
     if any(name.lower().endswith((".tif", ".tiff")) for name in names):
         return "tiff"
+    from wavesplat._readers.microscopes.bdv_n5 import holds_setups
+
     if holds_setups(names):
         return "bdv"
     if (error := foreign_folder(folder)) is not None:
@@ -470,12 +472,18 @@ def _names_in(folder: Path) -> list[str]:
 
 def _family_by_content(family: str | None, path: Path) -> str | None:
     """The module that reads a file whose suffix or first bytes several formats have."""
-    if family is None and vasp.is_named(path):
-        return "vasp"
-    if family == "hdf5" and netcdf.is_netcdf(path):
-        return "netcdf"
-    if family in ("vti", "vtk_legacy") and grids.is_grid(path):
-        return "vtk_grids"
+    if family is None:
+        from wavesplat._readers.simulations import vasp
+
+        return "vasp" if vasp.is_named(path) else None
+    if family == "hdf5":
+        from wavesplat._readers.hdf5 import netcdf
+
+        return "netcdf" if netcdf.is_netcdf(path) else family
+    if family in ("vti", "vtk_legacy"):
+        from wavesplat._readers.vtk import grids
+
+        return "vtk_grids" if grids.is_grid(path) else family
     return family
 
 

@@ -61,7 +61,6 @@ class GeometryOptions:
 
 def opened_geometry(options: GeometryOptions, unit: str | None, *, quiet: bool) -> list[Shape]:
     """The shapes that the options ask for. `unit`: of the volume's world."""
-    from wavesplat._geometry.files.opening import open_geometry
     from wavesplat._geometry.frame import Frame
 
     made: list[Shape] = []
@@ -71,6 +70,8 @@ def opened_geometry(options: GeometryOptions, unit: str | None, *, quiet: bool) 
         *[("points", text) for text in options.points or ()],
     ]
     for kind, text in asked:
+        from wavesplat._geometry.files.opening import open_geometry
+
         path, look = _of_file(kind, text, unit)
         shape: Any = open_geometry(path, kind=kind, world_unit=unit, **look)
         for guess in () if quiet else shape.guesses:

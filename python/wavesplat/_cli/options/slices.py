@@ -86,10 +86,6 @@ class ComparisonOptions:
 
 def opened_labels(options: LabelOptions, scan: Volume | WaveletVolume, *, quiet: bool) -> Labels | None:
     """The segmentation of a scan that the options name, or None."""
-    from wavesplat._looks.labels.labels import Labels
-    from wavesplat._readers.dicom.structures import is_structure_set
-    from wavesplat._storage.paths import expanded
-
     text, table, segments = options.labels, options.label_table, options.segment
     if text is None:
         if table is not None:
@@ -97,6 +93,10 @@ def opened_labels(options: LabelOptions, scan: Volume | WaveletVolume, *, quiet:
         if segments:
             raise ArgumentError("--segment chooses among the labels of a segmentation; give it with --labels")
         return None
+    from wavesplat._looks.labels.labels import Labels
+    from wavesplat._readers.dicom.structures import is_structure_set
+    from wavesplat._storage.paths import expanded
+
     path, transform = split_transform(text, "--labels")
     if transform is not None and is_structure_set(expanded(path)):
         raise ArgumentError(f"the lines of a structure set cannot be moved by reg=; draw them on their scan: {path}")

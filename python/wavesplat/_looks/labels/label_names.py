@@ -24,9 +24,6 @@ import numpy as np
 
 from wavesplat._looks.curves.colors import rgb_from_lab
 from wavesplat._model.volume.volume import Volume
-from wavesplat._readers.dicom import segments as dicom_labels
-from wavesplat._readers.opening import is_zarr
-from wavesplat._readers.zarr import ome_zarr
 from wavesplat._storage.addresses import is_address
 from wavesplat._storage.paths import expanded, read_text
 from wavesplat.errors import ArgumentError, FileError
@@ -47,7 +44,12 @@ def in_file(path: str | PathLike[str], dataset: str | None = None) -> dict[int, 
 
     dataset : the path of the segmentation in an OME-Zarr image.
     """
+    # Here, since most pictures have no segmentation, and these readers are half of the readers' modules.
+    from wavesplat._readers.opening import is_zarr
+
     if is_zarr(path):
+        from wavesplat._readers.zarr import ome_zarr
+
         return ome_zarr.label_looks(path, dataset)
     place = expanded(path)
     name = place.name.lower()
@@ -55,7 +57,9 @@ def in_file(path: str | PathLike[str], dataset: str | None = None) -> dict[int, 
         return _segments(_nrrd_header(place))
     if name.endswith((".nii", ".nii.gz")):
         return _nifti_labels(place)
-    return {segment.number: (segment.name, _of_lab(segment.lab)) for segment in dicom_labels.segments_at(place)}
+    from wavesplat._readers.dicom.segments import segments_at
+
+    return {segment.number: (segment.name, _of_lab(segment.lab)) for segment in segments_at(place)}
 
 
 def of_volume(volume: Volume) -> dict[int, Named]:

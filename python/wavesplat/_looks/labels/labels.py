@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 from wavesplat import _native
 from wavesplat._looks.curves import colors
 from wavesplat._looks.labels import label_grids, label_names
-from wavesplat._looks.labels.label_files import merged, name_of, opened_segmentation
 from wavesplat._model.arguments.types import takes_its_types
 from wavesplat._model.interchange.convert_from import converted
 from wavesplat._model.volume import affine
@@ -261,6 +260,8 @@ class Labels:
             If segments of a DICOM segmentation overlap: every voxel is of the last of them in the file; of a structure
             set it is of the smallest. Those that `segments` leaves out hide none.
         """
+        from wavesplat._looks.labels.label_files import name_of, opened_segmentation
+
         chosen = None if segments is None else [segments] if isinstance(segments, str) else list(segments)
         files = matching_files(fspath(path))
         if files is not None and len(files) > 1:
@@ -297,6 +298,8 @@ class Labels:
 
     @classmethod
     def _of_masks(cls, files: list[str], *, smooth: bool) -> Labels:
+        from wavesplat._looks.labels.label_files import merged
+
         volume, names, notes = merged(files)
         labels = cls(volume, smooth=smooth)
         looks = {number: Label(look.color, name=names[number]) for number, look in labels.labels.items()}

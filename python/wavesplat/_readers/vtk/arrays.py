@@ -15,6 +15,10 @@ from wavesplat._readers.file_contents import GridFacts
 from wavesplat._readers.request import Request, listed, no_such_name
 from wavesplat.errors import FileError
 
+#: Suffixes of grids that are no image, and of images in parts.
+GRID_SUFFIXES = tuple(
+    f".{name}" for name in ["vtr", "vts", "vtu", "vtp", "pvti", "pvtr", "pvts", "pvtu", "pvtp", "vtm", "vtmb", "vthb"]
+)
 #: Names that a guess lists, at most.
 MAX_IN_GUESS = 8
 #: Names of arrays that number points and cells, or say where they came from: VTK puts them beside the fields.

@@ -25,7 +25,7 @@ from wavesplat._readers.components import component_of, facts_of_colors, is_leng
 from wavesplat._readers.file_contents import Contents, FileArray, joined_ranges, ranges_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk.amr import Box, boxes_of, on_one_grid, sizes_of
-from wavesplat._readers.vtk.arrays import check_grid, chosen, described_grid, other_grid
+from wavesplat._readers.vtk.arrays import GRID_SUFFIXES, check_grid, chosen, described_grid, other_grid
 from wavesplat._readers.vtk.legacy import check_whole
 from wavesplat._readers.vtk.sampling import (
     GHOSTS,
@@ -45,7 +45,6 @@ from wavesplat._storage.reading import reading
 from wavesplat._system.libraries import library, muted_stderr
 from wavesplat.errors import FileError
 
-SUFFIXES = (".vtr", ".vts", ".vtu", ".vtp", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvtp", ".vtm", ".vtmb", ".vthb")
 EXTRA = "vtk"
 #: Bytes in which the kind of a file is looked for.
 HEAD_BYTES = 1 << 16
@@ -133,7 +132,7 @@ def is_grid(path: Path, *, or_mesh: bool = False) -> bool:
         head = file.read(HEAD_BYTES)
     if head.lstrip().startswith(b"<"):
         kind = _kind_of_xml(head)
-        is_other = kind is not None and kind != "ImageData" and f".{_SUFFIX_OF.get(kind, '')}" in SUFFIXES
+        is_other = kind is not None and kind != "ImageData" and f".{_SUFFIX_OF.get(kind, '')}" in GRID_SUFFIXES
         return is_other or (kind == "ImageData" and LZ4.search(head) is not None)
     found = DATASET.search(head)
     grids = [b"RECTILINEAR_GRID", b"STRUCTURED_GRID", b"UNSTRUCTURED_GRID", *([b"POLYDATA"] if or_mesh else [])]

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from wavesplat._geometry.files.opening import open_geometry
 from wavesplat._geometry.frame import Frame
 from wavesplat._geometry.lines import Lines
 from wavesplat._geometry.points import Points
@@ -168,6 +167,8 @@ def _opened(file: Any, look: dict[str, Any], place: tuple[str, str], reach: Reac
         raise ArgumentError(
             f"{what} came from no file when this was written; write its shape to one, and make the scene anew"
         )
+    from wavesplat._geometry.files.opening import open_geometry
+
     within = reach.of_name(file["path"])
     options = within.options(dict(file), what)
     path = options.pop("path")

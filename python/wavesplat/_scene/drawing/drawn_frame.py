@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wavesplat import _native
-from wavesplat._cluster.blocks import drawn_on_machines
 from wavesplat._looks.curves import colors
 from wavesplat._looks.labels.labels import Labels
 from wavesplat._looks.shading import Shading
@@ -145,6 +144,8 @@ def rendered(
             if options.client is None:
                 drawn_stream = lazy.streamed(spec)
             else:
+                from wavesplat._cluster.blocks import drawn_on_machines
+
                 drawn_stream = drawn_on_machines(spec, options.client, options.progress)
             result = lazy.finished(*drawn_stream)
     errors.remember(result["report"])

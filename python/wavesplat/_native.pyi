@@ -1,6 +1,6 @@
 """Interface of the compiled module; the public package wraps it and holds the docs that users read."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias, TypedDict, TypeGuard, final, type_check_only
 
 import numpy as np
@@ -46,10 +46,11 @@ __all__ = [
     "camera_zoomed",
     "cameras_evenly",
     "channel_color",
-    "check_fields",
-    "check_list",
+    "check_material",
+    "check_settings",
     "check_values",
     "checked_view",
+    "curves_fields",
     "distinct_colors",
     "encode_png",
     "eye_of",
@@ -66,11 +67,13 @@ __all__ = [
     "is_point",
     "label_color",
     "light_step",
+    "lights_of",
+    "look_texts",
     "map_colors",
     "map_is_diverging",
     "map_nodes",
+    "materials_fields",
     "normals_of_faces",
-    "optional_number",
     "orbit_axes",
     "patched",
     "plain_name",
@@ -91,6 +94,7 @@ __all__ = [
     "splat_ablated",
     "splat_literal",
     "straight_bytes",
+    "table_fields",
     "turn_angles",
     "turn_around",
     "turn_in_place",
@@ -749,17 +753,6 @@ def rise_nodes(
 def encode_png(rgba: NDArray[np.float32], bits: int) -> bytes: ...
 def straight_bytes(rgba: NDArray[np.float32]) -> bytes: ...
 def rgb_bytes(rgba: NDArray[np.float32], paper: Sequence[float]) -> bytes: ...
-def check_fields(
-    document: Mapping[str, Any], what: str, *, needed: Collection[str], known: Collection[str], hint: str
-) -> None:
-    """Refuse a document that lacks a field, is of another version or has a field too many. `hint`: where it is told."""
-
-def check_list(document: Mapping[str, Any], what: str, name: str, form: str) -> None:
-    """Refuse a field that is no list. `form`: how the list is written, for the message."""
-
-def optional_number(document: Mapping[str, Any], what: str, name: str) -> float | None:
-    """The number in a field; None if it is null or not there."""
-
 def is_number(value: object) -> TypeGuard[float]:
     """Whether a value in a JSON document is a number of absolute value up to 1e30."""
 
@@ -774,6 +767,38 @@ def patched(document: Any, operations: Any) -> Any:
 
 def checked_view(view: Any, crosshair: Sequence[float]) -> dict[str, Any]:
     """The field `view` of a viewer's state, checked, with the defaults of all that it leaves out."""
+
+def curves_fields(
+    document: Mapping[str, Any], in_look: bool
+) -> tuple[
+    str,
+    list[list[float]],
+    list[list[float]],
+    float | None,
+    list[list[float]],
+    float | None,
+]:
+    """Scale, opacity, colour, unit, gradient opacity and share of the unit of a transfer function's object."""
+
+def table_fields(
+    document: Mapping[str, Any],
+) -> tuple[list[float], list[float], list[list[float]], float | None, bool]:
+    """Values, magnitudes, colours, unit of a table's object, and whether its rows are of a second field."""
+
+def look_texts(document: Mapping[str, Any]) -> list[str | None]:
+    """Name, description, kind, view, composite, background and part of a look's object, whose fields are checked."""
+
+def lights_of(shading: object) -> list[Any]:
+    """The lights of an object of shading, which may have none."""
+
+def check_settings(document: object, is_light: bool) -> None:
+    """Refuse what is no object of a light, or of shading, or has a setting that is not known."""
+
+def materials_fields(document: Mapping[str, Any]) -> tuple[list[Any], float | None]:
+    """The entries and the unit of the object of materials."""
+
+def check_material(entry: object, number: int) -> None:
+    """Refuse an entry of materials that is no object, or has a field missing or too many."""
 
 def camera_fields(
     document: Mapping[str, Any],

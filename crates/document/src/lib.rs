@@ -17,15 +17,19 @@
 //! ```
 
 mod camera;
+mod curves;
 mod error;
 mod fields;
+mod look;
 mod node;
 mod patch;
 mod view;
 
 pub use camera::{CameraDocument, LensField};
+pub use curves::{CurvesDocument, TableDocument};
 pub use error::{FieldError, Found, quoted};
 pub use fields::{LARGEST, VERSION, check_fields, check_list, is_number, is_point, optional_number};
+pub use look::{LookDocument, MaterialsDocument, check_material, check_settings, lights};
 pub use node::{ChangedNode, ValueNode};
 pub use patch::{MAX_STEPS, patched};
 pub use view::{ViewSection, check_view, default_view};

@@ -2,13 +2,21 @@
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PyString, PyTuple};
-use wavesplat::document::{self, CameraDocument, ChangedNode, FieldError, Found, LensField, ValueNode};
+use wavesplat::document::{
+    self, CameraDocument, ChangedNode, CurvesDocument, FieldError, Found, LensField, LookDocument, MaterialsDocument,
+    TableDocument, ValueNode,
+};
 
 use crate::arguments::Triple;
 use crate::errors::exceptions::ArgumentError;
 
 /// Position, focal point, view up, parallel scale and view angle.
 type CameraFields = (Triple, Triple, Triple, Option<f64>, Option<f64>);
+
+/// Scale, nodes of opacity and colour, unit, nodes of the gradient, and unit as a share.
+type CurvesFields = (String, Vec<[f64; 2]>, Vec<[f64; 4]>, Option<f64>, Vec<[f64; 2]>, Option<f64>);
+/// Values, magnitudes, colours, unit, and whether the rows are of a second field.
+type TableFields = (Vec<f64>, Vec<f64>, Vec<[f64; 4]>, Option<f64>, bool);
 
 #[derive(Clone)]
 struct PyNode<'py>(Bound<'py, PyAny>);
@@ -125,7 +133,7 @@ fn check_all_values(value: &Bound<'_, PyAny>, document: &str) -> Result<(), Fiel
             for item in fields.items().iter().flatten() {
                 let Ok((name, part)) = item.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>() else { continue };
                 if name.cast::<PyString>().is_ok_and(|name| name.to_str().is_err()) {
-                    let place = containers.pop().unwrap_or_else(|| (0, name));
+                    let place = containers.pop().unwrap_or((0, name));
                     return Err(unusable(
                         document,
                         &containers,
@@ -183,33 +191,6 @@ fn refused(error: FieldError) -> PyErr {
 
 /// See `_native.pyi`.
 #[pyfunction]
-#[pyo3(signature = (document, what, *, needed, known, hint))]
-pub fn check_fields(
-    document: Bound<'_, PyAny>,
-    what: &str,
-    needed: &Bound<'_, PyAny>,
-    known: &Bound<'_, PyAny>,
-    hint: &str,
-) -> PyResult<()> {
-    // Sets are collections too.
-    let names = |of: &Bound<'_, PyAny>| of.try_iter()?.map(|name| name?.extract()).collect::<PyResult<Vec<String>>>();
-    document::check_fields(&PyNode(document), what, &names(needed)?, &names(known)?, hint).map_err(refused)
-}
-
-/// See `_native.pyi`.
-#[pyfunction]
-pub fn check_list(document: Bound<'_, PyAny>, what: &str, name: &str, form: &str) -> PyResult<()> {
-    document::check_list(&PyNode(document), what, name, form).map_err(refused)
-}
-
-/// See `_native.pyi`.
-#[pyfunction]
-pub fn optional_number(document: Bound<'_, PyAny>, what: &str, name: &str) -> PyResult<Option<f64>> {
-    document::optional_number(&PyNode(document), what, name).map_err(refused)
-}
-
-/// See `_native.pyi`.
-#[pyfunction]
 pub fn is_number(value: Bound<'_, PyAny>) -> bool {
     document::is_number(&PyNode(value))
 }
@@ -233,8 +214,8 @@ pub fn camera_fields(document: Bound<'_, PyAny>) -> PyResult<CameraFields> {
 
 /// See `_native.pyi`.
 #[pyfunction]
-pub fn check_values(value: Bound<'_, PyAny>, what: &str) -> PyResult<()> {
-    check_all_values(&value, what).map_err(refused)
+pub fn check_values(value: &Bound<'_, PyAny>, what: &str) -> PyResult<()> {
+    check_all_values(value, what).map_err(refused)
 }
 
 /// See `_native.pyi`.
@@ -270,4 +251,54 @@ pub fn checked_view<'py>(view: &Bound<'py, PyAny>, crosshair: [f64; 3]) -> PyRes
         complete.set_item(section, own)?;
     }
     Ok(complete)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn curves_fields(document: Bound<'_, PyAny>, in_look: bool) -> PyResult<CurvesFields> {
+    let curves = CurvesDocument::read(&PyNode(document), in_look).map_err(refused)?;
+    let (unit, share) = (curves.opacity_unit, curves.opacity_unit_share);
+    Ok((curves.values, curves.opacity, curves.color, unit, curves.gradient_opacity, share))
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn table_fields(document: Bound<'_, PyAny>) -> PyResult<TableFields> {
+    let table = TableDocument::read(&PyNode(document)).map_err(refused)?;
+    Ok((table.values, table.magnitudes, table.rgba, table.opacity_unit, table.is_of_fields))
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn look_texts(document: Bound<'_, PyAny>) -> PyResult<[Option<String>; 7]> {
+    LookDocument::read(&PyNode(document)).map(|look| look.texts).map_err(refused)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn lights_of(shading: Bound<'_, PyAny>) -> PyResult<Vec<Bound<'_, PyAny>>> {
+    document::lights(&PyNode(shading)).map(plain).map_err(refused)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn check_settings(document: Bound<'_, PyAny>, is_light: bool) -> PyResult<()> {
+    document::check_settings(&PyNode(document), is_light).map_err(refused)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn materials_fields(document: Bound<'_, PyAny>) -> PyResult<(Vec<Bound<'_, PyAny>>, Option<f64>)> {
+    let found = MaterialsDocument::read(&PyNode(document)).map_err(refused)?;
+    Ok((plain(found.materials), found.opacity_unit))
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn check_material(entry: Bound<'_, PyAny>, number: usize) -> PyResult<()> {
+    document::check_material(&PyNode(entry), number).map_err(refused)
+}
+
+fn plain(nodes: Vec<PyNode<'_>>) -> Vec<Bound<'_, PyAny>> {
+    nodes.into_iter().map(|node| node.0).collect()
 }

@@ -39,8 +39,8 @@ mod _native {
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
     #[pymodule_export]
     use crate::documents::{
-        camera_fields, check_fields, check_list, check_values, checked_view, is_number, is_point, optional_number,
-        patched,
+        camera_fields, check_material, check_settings, check_values, checked_view, curves_fields, is_number, is_point,
+        lights_of, look_texts, materials_fields, patched, table_fields,
     };
     #[pymodule_export]
     use crate::gpu::{gpu_adapters, gpu_check, gpu_count, gpu_memory, gpu_settle};

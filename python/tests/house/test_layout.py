@@ -90,7 +90,7 @@ ROOMS = {
         "windows",
     ],
     "crates/view/src": ["rotation", "lens", "named", "pose", "path", "fit", "turn", "eyes", "panorama"],
-    "crates/document/src": ["error", "node", "fields", "camera", "patch", "view"],
+    "crates/document/src": ["error", "node", "fields", "camera", "curves", "look", "patch", "view"],
     "crates/wavesplat/src": [
         "error",
         "quality",

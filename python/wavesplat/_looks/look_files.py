@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import fields
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 from wavesplat import _native
 from wavesplat._looks.curves import transfer_function
@@ -24,7 +24,6 @@ from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
 from wavesplat._looks.interchange import paraview_files, slicer_files
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Light, Shading
-from wavesplat._model.arguments.sampling import Composite
 from wavesplat._model.interchange import paraview_state
 from wavesplat._storage import json_texts
 from wavesplat._storage import json_texts as json_text
@@ -36,8 +35,6 @@ if TYPE_CHECKING:
     from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
 WHAT = "look"
-TEXTS = ("name", "description", "kind", "view", "composite", "background", "part")
-FIELDS = {"version", "transfer_function", "shading", *TEXTS}
 
 
 def write(look: Look) -> str:
@@ -73,33 +70,25 @@ def parse(text: str, volume: Volume | WaveletVolume | None) -> Look:
 
 def build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Look:
     """The look that an object describes."""
-    needed = ("version", "transfer_function")
-    _native.check_fields(document, WHAT, needed=needed, known=FIELDS, hint="Look.to_json")
-    for name in TEXTS:
-        if not isinstance(document.get(name), str | None):
-            raise ArgumentError(f"{WHAT}: field {name!r} is {document[name]!r}; it must be a text or null")
-    composite: Any = document.get("composite") or "over"
-    part: Any = document.get("part")
-    if composite not in get_args(Composite):
-        raise ArgumentError(f"{WHAT}: field 'composite' is {composite!r}; use one of: {', '.join(get_args(Composite))}")
+    name, description, _, view, composite, background, part = _native.look_texts(document)
     curves = document["transfer_function"]
-    if not isinstance(curves, dict):
-        raise ArgumentError(f"{WHAT}: field 'transfer_function' is {curves!r}; it must be an object")
     transfer_function: TransferFunction | TransferFunction2D
     if "rgba" in curves:
         transfer_function = TransferFunction2D._of_fields(curves)
     else:
-        named = {"name": document.get("name") or "this look", **curves}
-        transfer_function = transfer_function_json.build(named, volume, needed=("opacity", "color"))
+        named = {"name": name or "this look", **curves}
+        transfer_function = transfer_function_json.build(named, volume, in_look=True)
+    operator: Any = composite or "over"
+    opened: Any = part
     return Look(
         transfer_function=transfer_function,
         shading=build_shading(document["shading"]) if "shading" in document else Shading(),
-        composite=composite,
-        view=document.get("view"),
-        background=document.get("background"),
-        part=part,
-        name=document.get("name") or "",
-        reason=document.get("description") or "",
+        composite=operator,
+        view=view,
+        background=background,
+        part=opened,
+        name=name or "",
+        reason=description or "",
     )
 
 
@@ -114,25 +103,17 @@ def fields_of_shading(light: Any) -> dict[str, Any]:
 def build_shading(document: Any) -> Shading | None:
     if document is None:
         return None
-    lights = document.get("lights", []) if isinstance(document, dict) else None
-    if not isinstance(lights, list):
-        raise ArgumentError(f"{WHAT}: field 'shading' is {document!r}; it must be an object, its lights a list")
-    shading: Shading = _made(Shading, {**document, "lights": [_made(Light, one) for one in lights]})
+    lights = [_made(Light, one) for one in _native.lights_of(document)]
+    shading: Shading = _made(Shading, {**document, "lights": lights})
     return shading
 
 
 def _made(kind: Any, document: Any) -> Any:
-    name = kind.__name__.lower()
-    known = {field.name for field in fields(kind)} - {"_core"}
-    if not isinstance(document, dict):
-        raise ArgumentError(f"{WHAT}: {document!r} is no {name}; write an object")
-    unknown = sorted(set(document) - known)
-    if unknown:
-        raise ArgumentError(f"{WHAT}: {name} has no {unknown[0]!r}; it has {', '.join(sorted(known))}")
+    _native.check_settings(document, kind is Light)
     try:
         return kind(**document)
     except TypeError as error:
-        raise ArgumentError(f"{WHAT}: {name} is {document!r}: {error}") from None
+        raise ArgumentError(f"{WHAT}: {kind.__name__.lower()} is {document!r}: {error}") from None
 
 
 # A look from a file: ours, or 3D Slicer's, or ParaView's; what is in it decides, not its name.

@@ -18,10 +18,6 @@ from wavesplat._storage import json_texts
 from wavesplat.errors import ArgumentError
 
 WHAT = "materials"
-FIELDS = {"version", "name", "description", "sources", "opacity_unit", "materials"}
-NEEDED_OF_EACH = ("name", "probability", "color", "opacity")
-FIELDS_OF_EACH = {*NEEDED_OF_EACH, "density"}
-HINT = "Materials.to_json"
 PRESETS = files("wavesplat._looks.presets") / "materials"
 
 
@@ -39,10 +35,8 @@ def load(path: str | PathLike[str]) -> Materials:
 def parse(text: str) -> Materials:
     """The materials in a JSON text."""
     document = json_texts.parse(text, WHAT, "materials")
-    _native.check_fields(document, WHAT, needed=("version", "materials"), known=FIELDS, hint=HINT)
-    _native.check_list(document, WHAT, "materials", "[{...}, ...]")
-    unit = _native.optional_number(document, WHAT, "opacity_unit")
-    return Materials((_material(entry, number) for number, entry in enumerate(document["materials"])), unit)
+    entries, unit = _native.materials_fields(document)
+    return Materials((_material(entry, number) for number, entry in enumerate(entries)), unit)
 
 
 def preset(name: str) -> Materials:
@@ -58,11 +52,8 @@ def preset_names() -> list[str]:
 
 
 def _material(entry: Any, number: int) -> Material:
-    what = f"materials: field 'materials', number {number}"
-    if not isinstance(entry, dict):
-        raise ArgumentError(f"{what}: {entry!r} is not an object; write {{...}} with {', '.join(NEEDED_OF_EACH)}")
-    _native.check_fields(entry, what, needed=NEEDED_OF_EACH, known=FIELDS_OF_EACH, hint=HINT)
+    _native.check_material(entry, number)
     try:
         return Material(**entry)
     except ArgumentError as error:
-        raise ArgumentError(f"{what}: {error}") from None
+        raise ArgumentError(f"materials: field 'materials', number {number}: {error}") from None

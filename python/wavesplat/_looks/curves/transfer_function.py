@@ -14,7 +14,7 @@ Two nodes at the same value make a step.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -337,18 +337,6 @@ def _nodes(nodes: Iterable[Iterable[Any]], curve: str, names: tuple[str, ...]) -
 # Transfer functions as JSON: one object, with a version, whose errors name the field.
 
 WHAT = "transfer function"
-FIELDS = {
-    "version",
-    "name",
-    "description",
-    "values",
-    "opacity_unit",
-    "opacity_unit_share",
-    "opacity",
-    "color",
-    "gradient_opacity",
-}
-NEEDED = ("version", "opacity", "color")
 
 
 def write(transfer_function: TransferFunction) -> str:
@@ -374,19 +362,11 @@ def parse(text: str, volume: Volume | WaveletVolume | None) -> TransferFunction:
 
 
 def build(
-    document: dict[str, Any], volume: Volume | WaveletVolume | None, needed: Collection[str] = NEEDED
+    document: dict[str, Any], volume: Volume | WaveletVolume | None, *, in_look: bool = False
 ) -> TransferFunction:
-    """The transfer function that an object describes. `needed`: fields that it must have."""
-    _native.check_fields(document, WHAT, needed=needed, known=FIELDS, hint="TransferFunction.to_json")
-    for name in ("opacity", "color", "gradient_opacity"):
-        _native.check_list(document, WHAT, name, "nodes, [[value, ...], ...]")
-    scale = document.get("values", "samples")
-    if scale not in value_scale.NAMES:
-        names = ", ".join(f'"{name}"' for name in value_scale.NAMES)
-        raise ArgumentError(f"transfer function: field 'values' is {scale!r}; it is one of: {names}")
-    unit = _native.optional_number(document, WHAT, "opacity_unit")
-    share = _native.optional_number(document, WHAT, "opacity_unit_share")
-    curves = TransferFunction(document["opacity"], document["color"], unit, document.get("gradient_opacity", []))
+    """The transfer function that an object describes. `in_look`: it is a part of a look, and has no version."""
+    scale, opacity, color, unit, gradient_opacity, share = _native.curves_fields(document, in_look)
+    curves = TransferFunction(opacity, color, unit, gradient_opacity)
     if scale in value_scale.ABSOLUTE and share is None:
         return curves
     if volume is None:

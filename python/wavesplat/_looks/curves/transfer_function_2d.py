@@ -237,14 +237,9 @@ class TransferFunction2D:
     @classmethod
     def _of_fields(cls, document: dict[str, Any]) -> TransferFunction2D:
         """The function that a JSON object describes."""
-        needed = ("values", "magnitudes", "rgba")
-        known = {*needed, "version", "name", "description", "opacity_unit", "rows"}
-        _native.check_fields(document, WHAT, needed=needed, known=known, hint="TransferFunction2D.to_json")
-        unit = document.get("opacity_unit")
-        if unit is not None and (isinstance(unit, bool) or not isinstance(unit, int | float)):
-            raise ArgumentError(f"{WHAT}: field 'opacity_unit' is {described(unit)}; it must be a number or null")
-        rows = document.get("rows", "gradient")
-        return cls(document["values"], document["magnitudes"], document["rgba"], unit, rows=rows)
+        columns, places, rgba, unit, is_of_fields = _native.table_fields(document)
+        table = np.array(rgba).reshape(len(places), len(columns), 4)
+        return cls(columns, places, table, unit, rows="field" if is_of_fields else "gradient")
 
     def to_json(self) -> str:
         """The function as a JSON text, which `from_json` reads back exactly."""

@@ -10,11 +10,15 @@ __all__ = [
     "CHANNEL_COLORS",
     "CT_WINDOWS",
     "FARTHEST",
+    "FAR_ABOVE_NOISE",
+    "KINDS_OF_MODALITIES",
     "MAP_NODES",
     "PRESET_GROUPS",
+    "QUANTITIES",
     "RISES",
     "SCALES",
     "SHOWS_THROUGH",
+    "SIGNIFICANT",
     "SLICER_PREFIX",
     "VIEWS",
     "VIEW_ANGLE",
@@ -65,16 +69,20 @@ __all__ = [
     "in_one_unit",
     "is_number",
     "is_point",
+    "kind_of_data",
     "label_color",
     "light_step",
     "lights_of",
     "look_texts",
+    "looks_like_hounsfield",
     "map_colors",
     "map_is_diverging",
     "map_nodes",
     "materials_fields",
     "normals_of_faces",
     "orbit_axes",
+    "otsu",
+    "otsu_of_scan",
     "patched",
     "plain_name",
     "plane",
@@ -86,6 +94,7 @@ __all__ = [
     "reported_unit",
     "rgb_bytes",
     "rise_nodes",
+    "robust_range",
     "samples_for",
     "scale_nodes",
     "sin_cos_deg",
@@ -93,6 +102,7 @@ __all__ = [
     "smallest_budget",
     "splat_ablated",
     "splat_literal",
+    "stored_offset",
     "straight_bytes",
     "table_fields",
     "turn_angles",
@@ -104,6 +114,7 @@ __all__ = [
     "unit_metres",
     "unit_name",
     "view_angles",
+    "without_padding",
 ]
 
 __version__: str
@@ -113,6 +124,14 @@ SHOWS_THROUGH: float
 FARTHEST: float
 #: Angle of view, degrees, of views in perspective that were orthographic.
 VIEW_ANGLE: float
+#: Deviations of the noise of a background above its median that are far, of a few bright samples.
+FAR_ABOVE_NOISE: float
+#: Kinds of data of DICOM's modalities that have a look of their own.
+KINDS_OF_MODALITIES: dict[str, str]
+#: Names of quantities of calculated maps; p-values, of which low ones matter, are the last.
+QUANTITIES: tuple[str, ...]
+#: The largest p that counts as significant.
+SIGNIFICANT: float
 #: Azimuth and elevation, degrees, of the named views.
 VIEWS: dict[str, tuple[float, float]]
 #: Level and width of windows of CT, Hounsfield units.
@@ -614,6 +633,49 @@ class CameraPath:
     def at(self, time: float) -> _CameraFields: ...
 
 def cameras_evenly(keys: Sequence[_CameraFields], n: int, is_closed: bool) -> list[_CameraFields]: ...
+def robust_range(values: NDArray[np.float64]) -> tuple[float, float]: ...
+def otsu(values: NDArray[np.float64], low: float, high: float) -> float: ...
+def otsu_of_scan(values: NDArray[np.float64], low: float, high: float) -> tuple[float, float, float]: ...
+def without_padding(samples: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def looks_like_hounsfield(values: NDArray[np.float64], says_ct: bool, may_be_fractional: bool) -> bool: ...
+def stored_offset(values: NDArray[np.float64]) -> float: ...
+
+#: Samples, flat, and their two neighbours along each axis that has any.
+_Around: TypeAlias = tuple[NDArray[np.float64], list[tuple[NDArray[np.float64], NDArray[np.float64]]]]
+
+@type_check_only
+class KindFacts(TypedDict):
+    """Facts of a volume that its kind depends on; `KindFacts` of `crates/look` describes them."""
+
+    name: str
+    modality: str | None
+    value_unit: str | None
+    quantity: str | None
+    is_lengths: bool
+    has_channel: bool
+    is_anatomical: bool
+    is_of_wavelets: bool
+    is_placed_by_default: bool
+    has_no_place: bool
+    metres: float | None
+    spacing: tuple[float, float, float]
+    range: tuple[float, float]
+    numbers: str
+    is_single: bool
+
+def kind_of_data(
+    facts: KindFacts,
+    looked_at: _Around,
+    finest: _Around | None,
+    spread: Callable[[], NDArray[np.float64]],
+    is_whole: Callable[[], bool],
+) -> tuple[str, str, bool, bool, NDArray[np.float64], NDArray[np.float64], float | None]:
+    """Kind, reason, whether samples have noise and few are bright, values, their gradients, and that of no data.
+
+    finest : samples side by side, where those looked at are of a coarser level. spread : some millions of samples at
+    most, [z, y, x]. is_whole : whether floating-point numbers in memory are all whole.
+    """
+
 def light_step(shape: tuple[int, int, int], world_from_index: NDArray[np.float64]) -> tuple[int, int, int]:
     """Steps (z, y, x) between the samples that light is worked out from."""
 

@@ -17,7 +17,10 @@ from numpy.typing import NDArray
 
 import wavesplat as ws
 from wavesplat._looks.kinds.histogram import finite_samples
-from wavesplat._looks.kinds.hounsfield import AIR, BONE, FAR, SOFT_TISSUE, looks_like_hounsfield
+from wavesplat._looks.kinds.hounsfield import looks_like_hounsfield
+
+#: As in `crates/look/src/hounsfield.rs`.
+AIR, FAR, SOFT_TISSUE, BONE = -1100.0, 900.0, (-150.0, 150.0), (200.0, 500.0)
 
 
 def main(paths: list[str]) -> None:

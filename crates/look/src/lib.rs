@@ -16,16 +16,37 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! [`kind`] says what the samples of a volume are, and why it is thought so, from [`Evidence`]: what its file says, and
+//! samples spread over it with their neighbours.
 
 pub mod channel_colors;
 pub mod colormaps;
 pub mod colors;
+mod evidence;
+mod facts;
+mod histogram;
+mod hounsfield;
+mod kinds;
 mod look;
 mod map_tables;
+mod measured_maps;
 mod numbers;
 pub mod presets;
+pub mod quantities;
 pub mod scale;
+mod segmentation;
+mod shares;
+pub mod statistics;
 pub mod texts;
 pub mod windows;
+mod words;
 
+pub use evidence::{Evidence, Neighbourhood, SeenSamples, SidePair, Source};
+pub use facts::{DataKind, KindFacts, MODALITIES, NumberType};
+pub use histogram::{N_BINS, ROBUST, Scan, otsu, otsu_of_scan, robust_range, without_padding};
+pub use hounsfield::{looks_like_hounsfield, stored_offset};
+pub use kinds::{FAR, FoundKind, kind};
 pub use look::Look;
+pub use measured_maps::SIGNIFICANT;
+pub use words::in_digits;

@@ -4,6 +4,7 @@ mod arguments;
 mod documents;
 mod errors;
 mod gpu;
+mod kinds;
 mod labels;
 mod lazy;
 mod length_units;
@@ -20,7 +21,7 @@ mod wavelet;
 
 use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 
 /// Gives a process made by forking, as by `multiprocessing` on Linux, threads of its own.
 #[pyfunction]
@@ -33,7 +34,7 @@ fn after_fork() {
 mod _native {
     use super::{
         Bound, IntoPyDict, PyAnyMethods, PyDict, PyDictMethods, PyImportError, PyModule, PyModuleMethods, PyResult,
-        after_fork, wrap_pyfunction,
+        PyTuple, after_fork, wrap_pyfunction,
     };
     #[pymodule_export]
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
@@ -44,6 +45,10 @@ mod _native {
     };
     #[pymodule_export]
     use crate::gpu::{gpu_adapters, gpu_check, gpu_count, gpu_memory, gpu_settle};
+    #[pymodule_export]
+    use crate::kinds::{
+        kind_of_data, looks_like_hounsfield, otsu, otsu_of_scan, robust_range, stored_offset, without_padding,
+    };
     #[pymodule_export]
     use crate::labels::PyLabels;
     #[pymodule_export]
@@ -89,6 +94,11 @@ mod _native {
             os.call_method("register_at_fork", (), Some(&hooks))?;
         }
         module.add("SHOWS_THROUGH", wavesplat::SHOWS_THROUGH)?;
+        let kinds = wavesplat::look::MODALITIES.map(|(modality, kind)| (modality, kind.name()));
+        module.add("KINDS_OF_MODALITIES", kinds.into_py_dict(module.py())?)?;
+        module.add("QUANTITIES", PyTuple::new(module.py(), wavesplat::look::quantities::ALL)?)?;
+        module.add("SIGNIFICANT", wavesplat::look::SIGNIFICANT)?;
+        module.add("FAR_ABOVE_NOISE", wavesplat::look::FAR)?;
         module.add("FARTHEST", wavesplat::view::FARTHEST)?;
         module.add("VIEW_ANGLE", wavesplat::view::VIEW_ANGLE_DEG)?;
         module.add("CHANNEL_COLORS", wavesplat::look::channel_colors::CHANNEL_COLORS.map(<(f64, f64, f64)>::from))?;

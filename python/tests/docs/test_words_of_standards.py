@@ -7,7 +7,7 @@ from nibabel.nifti1 import intent_codes, unit_codes
 from pydicom._private_dict import private_dictionaries
 from pydicom.datadict import dictionary_VR
 
-from wavesplat._looks.kinds import kinds
+from wavesplat import _native
 from wavesplat._looks.labels import structure_labels
 from wavesplat._model.interchange import itk_image, nibabel_image
 from wavesplat._model.volume import facts
@@ -81,7 +81,7 @@ PARTS = {
     "Modality, no images": (header.NO_IMAGES, MODALITIES),
     "Modality, with units": (dicom_units.OF_MODALITY, MODALITIES),
     "Modality, by name": (series.MODALITIES.values(), MODALITIES),
-    "Modality, with a look": (kinds.MODALITIES.keys() - {"fluorescence", "EM"}, MODALITIES),
+    "Modality, with a look": (_native.KINDS_OF_MODALITIES.keys() - {"fluorescence", "EM"}, MODALITIES),
     "Modality, of other formats": (itk_image.DICOM_CODES, MODALITIES),
 }
 

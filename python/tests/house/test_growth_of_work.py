@@ -23,7 +23,6 @@ import tifffile
 
 import wavesplat as ws
 from wavesplat._looks.curves import colors
-from wavesplat._looks.kinds import measured_maps
 from wavesplat._looks.labels.label_names import in_file, in_table
 from wavesplat._model.interchange import paraview_state
 from wavesplat._model.volume import facts, units
@@ -130,7 +129,6 @@ def test_heads_of_vtk(tmp_path, head):
         facts.value_unit_of,
         image_headers._quoted,
         json_texts.decode_syntax,
-        measured_maps._words_of,
         paths.natural_key,
         paraview_state.views,
         scale_bar._asked,

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
 from wavesplat._looks.curves.colormaps import colors_of
 from wavesplat._looks.curves.transfer_function import TransferFunction
 from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
@@ -38,9 +39,8 @@ from wavesplat._looks.kinds.field_curves import (
     rising,
 )
 from wavesplat._looks.kinds.histogram import otsu, otsu_of_scan, robust_range_of, without_padding
-from wavesplat._looks.kinds.kinds import FAR, Evidence, Kind, evidence, kind_of, offset_of
+from wavesplat._looks.kinds.kinds import Evidence, Kind, evidence, kind_of, offset_of
 from wavesplat._looks.kinds.looked_at import subsampled
-from wavesplat._looks.kinds.measured_maps import SIGNIFICANT
 from wavesplat._looks.labels import label_names
 from wavesplat._looks.labels.labels import Labels
 from wavesplat._looks.look import Look
@@ -302,7 +302,7 @@ def _maximum_of_few(volume: Volume | WaveletVolume, known: Evidence) -> Look:
     pixels = histogram.pixels_of_maxima(volume)
     noise = float(np.median(pixels))
     deviation = 1.4826 * float(np.median(np.abs(pixels - noise)))
-    far = pixels[pixels > noise + FAR * deviation]
+    far = pixels[pixels > noise + _native.FAR_ABOVE_NOISE * deviation]
     white = float(np.percentile(far, 98.0)) if far.size else float(pixels.max())
     black = min(noise + 2.0 * deviation, 0.5 * (noise + white))
     reason = f"{known.reason}; so the largest value along each ray is shown"
@@ -397,9 +397,9 @@ def _map(volume: Volume | WaveletVolume, known: Evidence) -> Made:
 
 def _p_values(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
     """A look of p-values: clear from the significant ones on, opaque at 0."""
-    light = _light(SHARE_MAP, 0.0, SIGNIFICANT, opaque_after(volume))
-    opacity = [(SIGNIFICANT - value, alpha) for value, alpha in reversed(light.opacity)]
-    color = [(SIGNIFICANT - value, *rgb) for value, *rgb in reversed(light.color)]
+    light = _light(SHARE_MAP, 0.0, _native.SIGNIFICANT, opaque_after(volume))
+    opacity = [(_native.SIGNIFICANT - value, alpha) for value, alpha in reversed(light.opacity)]
+    color = [(_native.SIGNIFICANT - value, *rgb) for value, *rgb in reversed(light.color)]
     return TransferFunction(opacity, color), None
 
 

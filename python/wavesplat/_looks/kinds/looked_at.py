@@ -77,29 +77,3 @@ def _finite_with_neighbours(samples: NDArray[Any]) -> tuple[NDArray[Any], Pairs]
     places = places[:: max(1, len(places) // KIND_SAMPLES)]
     pairs = [(around[tuple((places - way).T)], around[tuple((places + way).T)]) for way in np.eye(3, dtype=np.int64)]
     return around[tuple(places.T)], pairs
-
-
-def slopes(samples: NDArray[Any], neighbours: Pairs) -> list[NDArray[np.float64]]:
-    """Differences along each axis, sample units per voxel: of both neighbours, of one where the other is missing."""
-    own, made = samples.astype(np.float64), []
-    # Differences of infinite samples are NaN and are left out.
-    with np.errstate(invalid="ignore", over="ignore"):
-        for before, after in neighbours:
-            low, high = before.astype(np.float64), after.astype(np.float64)
-            slope = 0.5 * (high - low)
-            for side, other in ((high - own, low), (own - low, high)):
-                np.copyto(slope, side, where=~np.isfinite(other))
-            made.append(np.where(np.isfinite(slope), slope, 0.0))
-    return made
-
-
-def without_missing(samples: NDArray[Any], neighbours: Pairs) -> tuple[NDArray[Any], Pairs]:
-    """The samples with a value of its own for all that are missing, as a background has: 2 less than the least one."""
-    if samples.dtype.kind != "f":
-        return samples, neighbours
-    flat = [samples, *(side for pair in neighbours for side in pair)]
-    if all(np.isfinite(one).all() for one in flat):
-        return samples, neighbours
-    least = min(float(np.min(one, where=np.isfinite(one), initial=np.inf)) for one in flat)
-    own, *sides = (np.where(np.isfinite(one), one, least - 2.0) for one in flat)
-    return own, list(zip(sides[::2], sides[1::2], strict=True))

@@ -9,6 +9,7 @@ from math import isfinite
 from operator import index
 from typing import Any
 
+from wavesplat import _native
 from wavesplat._model.arguments.types import check_text, text_of
 from wavesplat._model.volume import units
 from wavesplat._public import public
@@ -36,17 +37,21 @@ def short_repr(thing: Any) -> str:
 # pixel contrast of CT and MR), and the words that scanners write for their own maps; they count only where the pixels
 # are DERIVED.
 
-ADC, DIFFUSIVITY, ANISOTROPY = "apparent diffusion coefficient", "diffusivity", "fractional anisotropy"
-T1, T2, T2_STAR = "relaxation time T1", "relaxation time T2", "relaxation time T2*"
-BLOOD_FLOW, BLOOD_VOLUME, PERFUSION = "blood flow", "blood volume", "time of perfusion"
-Z_STATISTIC, T_STATISTIC, F_STATISTIC, P_VALUE = "z statistic", "t statistic", "F statistic", "p-value"
-#: All but p-values, of which low ones matter.
-QUANTITIES = frozenset(
-    {
-        *(ADC, DIFFUSIVITY, ANISOTROPY, T1, T2, T2_STAR, BLOOD_FLOW, BLOOD_VOLUME, PERFUSION),
-        *(Z_STATISTIC, T_STATISTIC, F_STATISTIC),
-    }
-)
+(
+    ADC,
+    DIFFUSIVITY,
+    ANISOTROPY,
+    T1,
+    T2,
+    T2_STAR,
+    BLOOD_FLOW,
+    BLOOD_VOLUME,
+    PERFUSION,
+    Z_STATISTIC,
+    T_STATISTIC,
+    F_STATISTIC,
+    P_VALUE,
+) = _native.QUANTITIES
 #: By nibabel's names of intents.
 OF_INTENTS = {"z score": Z_STATISTIC, "t test": T_STATISTIC, "f test": F_STATISTIC, "p value": P_VALUE}
 #: By values of ImageType (0008,0008) from the third on.

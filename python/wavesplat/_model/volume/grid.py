@@ -118,11 +118,6 @@ def is_without_place(world_from_index: NDArray[np.float64]) -> bool:
     return bool(np.array_equal(np.abs(world_from_index), np.eye(4)))
 
 
-def is_of_no_patient(grid: Grid, values: NDArray[np.float64]) -> bool:
-    """Whether fractions were calculated, by a header that says no more of a patient than its format does by default."""
-    return NO_PLACE in grid.facts.conventions and not np.array_equal(values, np.rint(values))
-
-
 # Volumes of a few slices, such as two frames of a CT, and thin stacks: both are seen from their front.
 
 #: Largest number of slices, and least number of samples along their sides.

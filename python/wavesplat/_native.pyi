@@ -51,7 +51,9 @@ __all__ = [
     "cameras_evenly",
     "channel_color",
     "check_material",
+    "check_part",
     "check_settings",
+    "check_state",
     "check_values",
     "checked_view",
     "curves_fields",
@@ -73,6 +75,7 @@ __all__ = [
     "label_color",
     "light_step",
     "lights_of",
+    "list_in",
     "look_texts",
     "looks_like_hounsfield",
     "map_colors",
@@ -80,6 +83,7 @@ __all__ = [
     "map_nodes",
     "materials_fields",
     "normals_of_faces",
+    "only_field",
     "orbit_axes",
     "otsu",
     "otsu_of_scan",
@@ -829,6 +833,18 @@ def patched(document: Any, operations: Any) -> Any:
 
 def checked_view(view: Any, crosshair: Sequence[float]) -> dict[str, Any]:
     """The field `view` of a viewer's state, checked, with the defaults of all that it leaves out."""
+
+def check_part(part: object, place: str, name: str) -> None:
+    """Refuse a part of a scene's document that is no object, lacks a field, or has one too many."""
+
+def list_in(document: Mapping[str, Any], name: str) -> list[Any]:
+    """The list in a field of a scene's document, which need not be there."""
+
+def only_field(part: object, place: str, of: str) -> tuple[str, Any]:
+    """Name and value of the only field of a clip, a shape, a step or an operator."""
+
+def check_state(document: object) -> None:
+    """Refuse a document that is no state of the viewer by its fields, its kind or its version."""
 
 def curves_fields(
     document: Mapping[str, Any], in_look: bool

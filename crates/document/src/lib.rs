@@ -23,6 +23,7 @@ mod fields;
 mod look;
 mod node;
 mod patch;
+mod scene;
 mod view;
 
 pub use camera::{CameraDocument, LensField};
@@ -32,4 +33,5 @@ pub use fields::{LARGEST, VERSION, check_fields, check_list, is_number, is_point
 pub use look::{LookDocument, MaterialsDocument, check_material, check_settings, lights};
 pub use node::{ChangedNode, ValueNode};
 pub use patch::{MAX_STEPS, patched};
+pub use scene::{check_part, check_state, fields_of_part, list_in, only_field};
 pub use view::{ViewSection, check_view, default_view};

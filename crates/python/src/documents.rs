@@ -191,6 +191,30 @@ fn refused(error: FieldError) -> PyErr {
 
 /// See `_native.pyi`.
 #[pyfunction]
+pub fn check_part(part: Bound<'_, PyAny>, place: &str, name: &str) -> PyResult<()> {
+    document::check_part(&PyNode(part), place, name).map_err(refused)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn list_in<'py>(document: Bound<'py, PyAny>, name: &str) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    document::list_in(&PyNode(document), name).map(plain).map_err(refused)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn only_field<'py>(part: Bound<'py, PyAny>, place: &str, of: &str) -> PyResult<(String, Bound<'py, PyAny>)> {
+    document::only_field(&PyNode(part), place, of).map(|(name, inside)| (name, inside.0)).map_err(refused)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
+pub fn check_state(document: Bound<'_, PyAny>) -> PyResult<()> {
+    document::check_state(&PyNode(document)).map_err(refused)
+}
+
+/// See `_native.pyi`.
+#[pyfunction]
 pub fn is_number(value: Bound<'_, PyAny>) -> bool {
     document::is_number(&PyNode(value))
 }

@@ -42,7 +42,7 @@ pub struct Face {
     part: Scope,
 }
 
-/// What a picture shows of a panorama.
+/// The part of a panorama that a picture shows.
 #[derive(Clone, Copy, Debug)]
 enum Scope {
     /// A side of a cube.

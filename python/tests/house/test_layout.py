@@ -101,7 +101,7 @@ ROOMS = {
         "kinds",
     ],
     "crates/view/src": ["rotation", "lens", "named", "pose", "path", "fit", "turn", "eyes", "panorama"],
-    "crates/document/src": ["error", "node", "fields", "camera", "curves", "look", "patch", "view"],
+    "crates/document/src": ["error", "node", "fields", "camera", "curves", "look", "patch", "scene", "view"],
     "crates/wavesplat/src": [
         "error",
         "quality",

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from wavesplat import _native
 from wavesplat._geometry.frame import Frame
 from wavesplat._geometry.lines import Lines
 from wavesplat._geometry.points import Points
@@ -25,7 +26,7 @@ from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.slice_plane import SlicePlane
 from wavesplat._geometry.surface import Surface
 from wavesplat._readers.request import named_within
-from wavesplat._scene.documents.named_volumes import Reach, check_fields, made_at, volume_named
+from wavesplat._scene.documents.named_volumes import Reach, made_at, volume_named
 from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError, FileError
 
@@ -37,8 +38,6 @@ TYPES: dict[str, type[Shape]] = {
     "frame": Frame,
 }
 NAMES = {kind: name for name, kind in TYPES.items()}
-#: Options of `open_geometry` that a document may have, beside the fields of the shape.
-OF_FILE = ("path", "kind", "values", "unit", "world_unit")
 #: Largest number of numbers of a shape that is written out.
 MAX_INLINE = 2000
 
@@ -138,12 +137,9 @@ def shapes_of(geometry: list[Any], what: str, reach: Reach) -> list[Shape]:
 
 
 def _shape(given: Any, what: str, reach: Reach) -> Shape:
-    if not (isinstance(given, dict) and len(given) == 1 and next(iter(given)) in TYPES):
-        raise ArgumentError(f"{what} is {described(given)}; it must be an object of one field: {', '.join(TYPES)}")
-    ((name, own),) = given.items()
+    name, own = _native.only_field(given, what, "shape")
     kind, what = TYPES[name], f"{what}.{name}"
-    known = [field.name for field in fields(kind) if field.init]  # type: ignore[arg-type]
-    check_fields(own, what, needed=(), known=[*known, "file"])
+    _native.check_part(own, what, name)
     arguments = {key: _tuples(value) if key in ("clim", "window") else value for key, value in own.items()}
     if "file" in own:
         del arguments["file"]
@@ -162,7 +158,7 @@ def _opened(file: Any, look: dict[str, Any], place: tuple[str, str], reach: Reac
     what = f"{what}.file"
     if name not in ("surface", "lines", "points"):
         raise ArgumentError(f"{what}: a {name} comes from no file")
-    check_fields(file, what, needed=("path",), known=OF_FILE)
+    _native.check_part(file, what, "shape_file")
     if file["path"] is None:
         raise ArgumentError(
             f"{what} came from no file when this was written; write its shape to one, and make the scene anew"
@@ -186,7 +182,7 @@ def _opened(file: Any, look: dict[str, Any], place: tuple[str, str], reach: Reac
 def _of_slice(arguments: dict[str, Any], what: str, reach: Reach) -> dict[str, Any]:
     plane = arguments.get("plane")
     if isinstance(plane, dict):
-        check_fields(plane, f"{what}.plane", needed=("point", "normal"), known=("point", "normal"))
+        _native.check_part(plane, f"{what}.plane", "plane")
         arguments["plane"] = (plane["point"], plane["normal"])
     if arguments.get("volume") is not None:
         arguments["volume"] = volume_named(arguments["volume"], f"{what}.volume", reach)

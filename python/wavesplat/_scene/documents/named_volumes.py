@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from wavesplat import examples
+from wavesplat import _native, examples
 from wavesplat._looks.body.largest_body import largest_body
 from wavesplat._model.volume.private_names import CONTENT, file_of_content
 from wavesplat._model.volume.series import Series
@@ -31,24 +31,6 @@ from wavesplat.errors import ArgumentError, FileError
 # Checks of the fields of documents, whose errors name the field.
 
 T = TypeVar("T")
-
-
-def check_fields(thing: Any, what: str, *, needed: Any, known: Any) -> None:
-    if not isinstance(thing, dict):
-        raise ArgumentError(f"{what} is {described(thing)}; it must be an object")
-    for name in needed:
-        if name not in thing:
-            raise ArgumentError(f"{what}: field {name!r} is missing")
-    unknown = sorted(set(thing) - set(known))
-    if unknown:
-        raise ArgumentError(f"{what}: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(known))}")
-
-
-def list_in(document: dict[str, Any], name: str, what: str) -> list[Any]:
-    found = document.get(name, [])
-    if not isinstance(found, list):
-        raise ArgumentError(f"{what}: field {name!r} is {described(found)}; it must be a list")
-    return found
 
 
 def made_at(what: str, make: Callable[[], T]) -> T:
@@ -241,9 +223,7 @@ def _first(options: dict[str, Any], what: str, reach: Reach) -> Any:
 
 
 def _done(volume: Any, step: Any, what: str) -> Any:
-    if not (isinstance(step, dict) and len(step) == 1 and next(iter(step)) in STEPS):
-        raise ArgumentError(f"{what} is {described(step)}; it must be an object of one field: {', '.join(STEPS)}")
-    ((name, options),) = step.items()
+    name, options = _native.only_field(step, what, "step")
     if not isinstance(options, dict):
         raise ArgumentError(f"{what}.{name} is {described(options)}; it must be an object")
     kinds = KINDS.get(name, (Volume,))

@@ -25,6 +25,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wavesplat import _native
 from wavesplat._looks import look_files, presets
 from wavesplat._looks.curves.materials import Materials
 from wavesplat._looks.labels.labels import Label, Labels
@@ -37,7 +38,7 @@ from wavesplat._model.camera import files as camera_json
 from wavesplat._model.camera.camera import Camera
 from wavesplat._model.camera.stereo import Stereo, checked_eyes
 from wavesplat._scene.documents import geometry_json
-from wavesplat._scene.documents.named_volumes import Reach, check_fields, list_in, made_at, volume_named
+from wavesplat._scene.documents.named_volumes import Reach, made_at, volume_named
 from wavesplat._scene.layer import Layer
 from wavesplat._storage import json_texts
 from wavesplat._system.values import described
@@ -48,12 +49,7 @@ if TYPE_CHECKING:
 
 KIND, VERSION = "scene", 1
 WHAT = "scene"
-LABELS = ("volume", "labels", "smooth")
-LAYER = ("volume", "name", "look", "visible", "opacity", "time", "color_from")
 COLOR = ("volume", "name", "look")
-SCENE = ("layers", "labels", "shading", "clip", "background", "keep_table", "geometry")
-KNOWN = ("wavesplat", "version", *SCENE, "camera", "render", "figure", "view")
-RENDER = ("size", "quality", "psnr", "kernel", "composite", "depth", "stereo", "panorama")
 OPERATORS: dict[str, Any] = {FirstHit.name: FirstHit} | WITH_DEFAULTS
 
 
@@ -206,18 +202,18 @@ def inside(found: Any) -> dict[str, Any]:
 def _document(document: dict[str, Any], reach: Reach) -> Document:
     from wavesplat._scene.scene import Scene
 
-    check_fields(document, WHAT, needed=("version", "layers"), known=KNOWN)
+    _native.check_part(document, WHAT, "scene")
     version = document["version"]
     if version != VERSION or not isinstance(version, int) or isinstance(version, bool):
         raise ArgumentError(f"{WHAT}: field 'version' is {described(version)}; this release reads version {VERSION}")
-    layers = list_in(document, "layers", WHAT)
+    layers = _native.list_in(document, "layers")
     built = [_layer(layer, f"{WHAT}: layers[{number}]", reach) for number, layer in enumerate(layers)]
     clips = clips_of(document)
     background = document.get("background")
     if not isinstance(background, str | list | None):
         raise ArgumentError(f"{WHAT}: field 'background' is {described(background)}; it must be a colour or null")
     shading = shading_of(document.get("shading", "look"))
-    geometry = geometry_json.shapes_of(list_in(document, "geometry", WHAT), f"{WHAT}: geometry", reach)
+    geometry = geometry_json.shapes_of(_native.list_in(document, "geometry"), f"{WHAT}: geometry", reach)
     scene = made_at(
         f"{WHAT}",
         lambda: Scene(
@@ -232,7 +228,7 @@ def _document(document: dict[str, Any], reach: Reach) -> Document:
     )
     eye = camera_of(document.get("camera"))
     figure = document.get("figure") or {}
-    check_fields(figure, f"{WHAT}: figure", needed=(), known=_names_of_figures())
+    _native.check_part(figure, f"{WHAT}: figure", "figure")
     if figure.get("font") is not None:
         figure = {**figure, "font": reach.of_name(figure["font"]).path(figure["font"], f"{WHAT}: figure.font")}
     view = document.get("view") or {}
@@ -241,25 +237,19 @@ def _document(document: dict[str, Any], reach: Reach) -> Document:
     return Document(scene, eye, options_of(document.get("render") or {}), figure, view)
 
 
-def _names_of_figures() -> list[str]:
-    from wavesplat._picture.annotating import Figure
-
-    return [field.name for field in fields(Figure)]
-
-
 def _layer(layer: Any, what: str, reach: Reach) -> Layer:
-    check_fields(layer, what, needed=("volume",), known=LAYER)
+    _native.check_part(layer, what, "layer")
     made = layer_of(layer, what, volume_named(layer["volume"], f"{what}.volume", reach))
     field, what = layer.get("color_from"), f"{what}.color_from"
     if field is None:
         return made
-    check_fields(field, what, needed=("volume",), known=COLOR)
+    _native.check_part(field, what, "color_field")
     return replace(made, color_from=layer_of(field, what, volume_named(field["volume"], f"{what}.volume", reach)))
 
 
 def layer_of(layer: Any, what: str, volume: Any) -> Layer:
     """The layer that fields describe, of a volume that is open."""
-    check_fields(layer, what, needed=("volume",), known=LAYER)
+    _native.check_part(layer, what, "layer")
     look = layer.get("look")
     if isinstance(look, dict) and "map" in look:
         look = _mapped_look(look, f"{what}.look", volume)
@@ -279,7 +269,7 @@ def layer_of(layer: Any, what: str, volume: Any) -> Layer:
 
 def _mapped_look(look: dict[str, Any], what: str, volume: Any) -> Look:
     """The look of a colour map, as `Layer.overlay` makes it: {"map": "hot", "window": [2, 8]}."""
-    check_fields(look, what, needed=("map",), known=("map", "window"))
+    _native.check_part(look, what, "mapped_look")
     name, window = look["map"], look.get("window")
     if not isinstance(name, str):
         raise ArgumentError(f"{what}: field 'map' is {described(name)}; it must be the name of a colour map")
@@ -292,7 +282,7 @@ def _mapped_look(look: dict[str, Any], what: str, volume: Any) -> Look:
 def _labels(labels: Any, what: str, reach: Reach) -> Labels | None:
     if labels is None:
         return None
-    check_fields(labels, what, needed=("volume",), known=LABELS)
+    _native.check_part(labels, what, "labels")
     segmentation = volume_named(labels["volume"], f"{what}.volume", reach)
     chosen = looks_of_labels(labels, what)
     return made_at(what, lambda: Labels(segmentation, chosen, smooth=labels.get("smooth", True)))
@@ -300,7 +290,7 @@ def _labels(labels: Any, what: str, reach: Reach) -> Labels | None:
 
 def looks_of_labels(labels: Any, what: str) -> dict[int, Label] | None:
     """The looks by number that fields of labels describe; None if they have none."""
-    check_fields(labels, what, needed=("volume",), known=LABELS)
+    _native.check_part(labels, what, "labels")
     looks = labels.get("labels")
     if not isinstance(looks, dict | None) or not all(isinstance(look, dict) for look in (looks or {}).values()):
         raise ArgumentError(f"{what}: field 'labels' is {described(looks)}; it must be an object of objects, by number")
@@ -327,7 +317,7 @@ def camera_of(camera: Any) -> Camera | None:
 
 def clips_of(document: dict[str, Any]) -> list[Clip]:
     """The clips that the document's field `clip` describes."""
-    return [_clip(clip, f"{WHAT}: clip[{number}]") for number, clip in enumerate(list_in(document, "clip", WHAT))]
+    return [_clip(clip, f"{WHAT}: clip[{number}]") for number, clip in enumerate(_native.list_in(document, "clip"))]
 
 
 def shading_of(shading: Any) -> Any:
@@ -336,14 +326,10 @@ def shading_of(shading: Any) -> Any:
 
 
 def _clip(clip: Any, what: str) -> Clip:
-    kinds = ("keep", "plane", "cut_out")
-    if not (isinstance(clip, dict) and len(clip) == 1 and next(iter(clip)) in kinds):
-        raise ArgumentError(f"{what} is {described(clip)}; it must be an object of one field: {', '.join(kinds)}")
-    ((kind, numbers),) = clip.items()
+    kind, numbers = _native.only_field(clip, what, "clip")
+    _native.check_part(numbers, f"{what}.{kind}", kind)
     if kind == "plane":
-        check_fields(numbers, f"{what}.plane", needed=("point", "normal"), known=("point", "normal"))
         return made_at(what, lambda: ClipPlane(**numbers))
-    check_fields(numbers, f"{what}.{kind}", needed=("lower", "upper"), known=("lower", "upper", "space"))
     box = made_at(what, lambda: Crop(**numbers))
     return box if kind == "keep" else made_at(what, lambda: CutOut(box))
 
@@ -355,7 +341,7 @@ def _shading(shading: Any) -> Shading | None:
 def options_of(render: Any) -> dict[str, Any]:
     """Arguments of `Scene.render` that the field `render` describes."""
     what = f"{WHAT}: render"
-    check_fields(render, what, needed=(), known=RENDER)
+    _native.check_part(render, what, "render")
     options = {name: value for name, value in render.items() if value is not None}
     if "size" in options:
         size = options["size"]
@@ -368,12 +354,11 @@ def options_of(render: Any) -> dict[str, Any]:
         options["size"] = tuple(size)
     quality = options.get("quality")
     if isinstance(quality, dict):
-        known = [field.name for field in fields(Sampling)]
-        check_fields(quality, f"{what}.quality", needed=(), known=known)
+        _native.check_part(quality, f"{what}.quality", "quality")
         options["quality"] = made_at(f"{what}.quality", lambda: Sampling(**quality))
     stereo = options.get("stereo")
     if isinstance(stereo, dict):
-        check_fields(stereo, f"{what}.stereo", needed=(), known=[field.name for field in fields(Stereo)])
+        _native.check_part(stereo, f"{what}.stereo", "stereo")
         distances: dict[str, Any] = stereo
         options["stereo"] = made_at(f"{what}.stereo", lambda: Stereo(**distances))
     made_at(what, lambda: checked_eyes(options.get("stereo"), options.get("panorama", False)))
@@ -384,13 +369,9 @@ def options_of(render: Any) -> dict[str, Any]:
 
 def _operator(given: Any, what: str) -> Operator | None:
     if isinstance(given, dict):
-        if len(given) != 1 or next(iter(given)) not in OPERATORS:
-            raise ArgumentError(
-                f"{what} is {described(given)}; it must be a name, or an object of one field: {', '.join(OPERATORS)}"
-            )
-        ((name, numbers),) = given.items()
+        name, numbers = _native.only_field(given, what, "operator")
         kind = OPERATORS[name]
-        check_fields(numbers, f"{what}.{name}", needed=(), known=[field.name for field in fields(kind)])
+        _native.check_part(numbers, f"{what}.{name}", name)
         return made_at(what, lambda: _operator_of(kind, numbers))
     return made_at(what, lambda: checked_operator(given))
 

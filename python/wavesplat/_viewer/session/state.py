@@ -63,7 +63,6 @@ WHAT = scene_json.WHAT
 FIRST_SIZE = (64, 48)
 #: Fields that change the picture in space.
 PICTURE = ("layers", "labels", "shading", "clip", "background", "geometry", "camera", "render")
-KNOWN = ("wavesplat", "version", *PICTURE, "view")
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,7 +224,7 @@ class ViewerState:
     def _with(self, document: Any) -> ViewerState:
         if document is self.document:
             return self
-        _check_document(document)
+        _native.check_state(document)
         before = self.document
         camera = self.camera
         if not _same(document, before, "camera"):
@@ -359,24 +358,6 @@ def is_same(one: Any, other: Any) -> bool:
         return len(one) == len(other) and all(map(is_same, one, other))
     # As text, since 0.0 and -0.0 are equal in Python.
     return repr(one) == repr(other)
-
-
-def _check_document(document: Any) -> None:
-    if not isinstance(document, Mapping):
-        raise ArgumentError(f"{WHAT} is {described(document)}; it must be an object")
-    unknown = sorted(set(document) - set(KNOWN))
-    if unknown:
-        raise ArgumentError(f"{WHAT}: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(KNOWN))}")
-    for name in KNOWN:
-        if name not in document:
-            raise ArgumentError(f"{WHAT}: field {name!r} is missing")
-    if document["wavesplat"] != scene_json.KIND:
-        raise ArgumentError(f"{WHAT}: field 'wavesplat' is {described(document['wavesplat'])}; it must be 'scene'")
-    version = document["version"]
-    if version != scene_json.VERSION or isinstance(version, bool):
-        raise ArgumentError(
-            f"{WHAT}: field 'version' is {described(version)}; this release reads version {scene_json.VERSION}"
-        )
 
 
 def _as_of_all_samples(document: dict[str, Any], scene: Scene) -> None:

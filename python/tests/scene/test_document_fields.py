@@ -5,6 +5,7 @@ import re
 from dataclasses import fields
 from importlib.resources import files
 
+import jsonschema
 import pytest
 
 from wavesplat import _native
@@ -77,3 +78,77 @@ def test_kinds_of_one_field(of, names):
         _native.only_field({}, "here", of)
     assert set(str(caught.value).partition(": ")[2].split(", ")) == set(names)
     assert all(_native.only_field({name: 1}, "here", of) == (name, 1) for name in names)
+
+
+#: Values, one of which is put into each place of a view.
+VALUES = [
+    None,
+    True,
+    0,
+    -1,
+    0.005,
+    2000,
+    1e31,
+    "a",
+    "z",
+    "mean",
+    "angle",
+    [],
+    [1],
+    [1, 2, 3],
+    [[0, 0, 0]] * 3,
+    {},
+    {"z": [0, 0, 1]},
+]
+VIEW = {
+    "layout": {"name": "single", "main": "x"},
+    "slices": {
+        "crosshair": [0, 0, 0],
+        "window": [40, 400],
+        "center": [1, 2, 3],
+        "colors": "hot",
+        "normals": {"z": [0, 0, 1]},
+    },
+    "measures": [{"kind": "area", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}],
+    "overlays": {"legend": False},
+    "quality": {"moving": "exact"},
+    "interface": {"theme": "dark", "panels": ["light"], "turning": "trackball"},
+}
+
+
+def changed_views(value, steps=()):
+    """The view with each place taken out, or set to each value, and the names of all fields added to each object."""
+    parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for name, part in parts:
+        path = "/" + "/".join(map(str, (*steps, name)))
+        yield _native.patched(VIEW, [{"op": "remove", "path": path}])
+        for new in VALUES:
+            yield _native.patched(VIEW, [{"op": "replace", "path": path, "value": new}])
+        yield from changed_views(part, (*steps, name))
+    for name in ("thickness", "zoom", "slab", "x", "cube", "other") if isinstance(value, dict) else ():
+        for new in VALUES:
+            yield _native.patched(VIEW, [{"op": "add", "path": "/".join(("", *map(str, steps), name)), "value": new}])
+
+
+def test_views_that_are_taken_are_valid_by_the_schema():
+    valid = jsonschema.Draft202012Validator({"$ref": "#/$defs/view", "$defs": DEFS}).is_valid
+    taken = 0
+    for view in changed_views(VIEW):
+        try:
+            complete = _native.checked_view(view, [0.0, 0.0, 0.0])
+        except ArgumentError:
+            continue
+        taken += 1
+        assert valid(view), view
+        assert valid(complete), view
+        assert _native.checked_view(complete, [1.0, 1.0, 1.0]) == complete
+    assert taken > 50
+
+
+def test_views_take_all_names_of_the_schema():
+    for section, fields_of_it in DEFS["view"]["properties"].items():
+        for name, form in fields_of_it.get("properties", {}).items():
+            for value in form.get("enum", ()):
+                assert _native.checked_view({section: {name: value}}, [0.0, 0.0, 0.0])[section][name] == value
+    overlays = DEFS["view"]["properties"]["overlays"]["propertyNames"]["enum"]
+    assert set(_native.checked_view({}, [0.0, 0.0, 0.0])["overlays"]) == set(overlays)

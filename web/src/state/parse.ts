@@ -1,5 +1,6 @@
 // The check that a document is a state of the viewer: the twin of `python/wavesplat/_viewer/session/state.py`, and for
-// its field `view` of `crates/document/src/view.rs`. Both are held to the fixtures in `web/schema`. Checks that only the renderer can make, such as the order of points, are left to it.
+// its field `view` of `crates/document/src/view.rs`. Both are held to the fixtures in `web/schema`. Checks that only the
+// renderer can make, such as the order of points, are left to it.
 
 import { any, either, fields, flag, list, number, oneOf, point, refuse, share, text, whole, type Check } from "./checks.ts";
 import { COMPOSITES } from "./composites.ts";

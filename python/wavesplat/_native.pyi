@@ -11,6 +11,7 @@ __all__ = [
     "CT_WINDOWS",
     "FARTHEST",
     "FAR_ABOVE_NOISE",
+    "FILLED",
     "KINDS_OF_MODALITIES",
     "MAP_NODES",
     "PRESET_GROUPS",
@@ -32,6 +33,7 @@ __all__ = [
     "LazyVolume",
     "Shading",
     "Shapes",
+    "Stack",
     "Stream",
     "Survey",
     "TransferFunction",
@@ -101,6 +103,7 @@ __all__ = [
     "robust_range",
     "samples_for",
     "scale_nodes",
+    "shown_positions",
     "sin_cos_deg",
     "slicer_presets",
     "smallest_budget",
@@ -126,6 +129,8 @@ __version__: str
 SHOWS_THROUGH: float
 #: Largest ratio of lengths in a picture, such as of view and volume.
 FARTHEST: float
+#: Share of the picture's height, or width, that the object fills.
+FILLED: float
 #: Angle of view, degrees, of views in perspective that were orthographic.
 VIEW_ANGLE: float
 #: Deviations of the noise of a background above its median that are far, of a few bright samples.
@@ -614,6 +619,34 @@ class Face:
 
     def places(self, panorama: tuple[int, int]) -> tuple[NDArray[np.uintp], NDArray[np.float64], NDArray[np.float64]]:
         """Numbers of the pixels that it shows, row by row, its weights there, and columns and rows in it."""
+
+@final
+class Stack:
+    """Samples (x, y, z), affine, spacings and sides in the world of a volume, which choose the view that suits it."""
+
+    def __new__(
+        cls, size: tuple[int, int, int], world_from_index: NDArray[np.float64], spacing: _Vector, sides: _Vector
+    ) -> Stack: ...
+    @property
+    def is_thin(self) -> bool: ...
+    @property
+    def axis_of_few_slices(self) -> int | None: ...
+    @property
+    def axis_of_distant_slices(self) -> int | None: ...
+    def natural_view(
+        self, is_anatomical: bool, is_upright: Callable[[], bool], is_of_patient: Callable[[], bool]
+    ) -> tuple[float, float]:
+        """Azimuth and elevation, degrees; the questions are asked only where they decide."""
+
+def shown_positions(
+    index: NDArray[np.float64],
+    values: NDArray[np.float64],
+    step: float,
+    within: tuple[_Vector, _Vector],
+    look: tuple[TransferFunction, bool] | None,
+    is_whole: bool,
+) -> NDArray[np.float64]:
+    """Index positions around what a look, and whether it is of an opaque projection, shows of some samples."""
 
 def turn_angles(turned: _Turn) -> list[float]: ...
 def turn_around(turned: _Turn, first: _CameraFields) -> list[_CameraFields]: ...

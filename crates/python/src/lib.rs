@@ -73,9 +73,10 @@ mod _native {
     use crate::study::{render_standard, splat_ablated};
     #[pymodule_export]
     use crate::view::{
-        PyCameraPath, PyFace, camera_all_around, camera_axes, camera_in_perspective, camera_project, camera_turned,
-        camera_unproject, camera_widened, camera_within, camera_zoomed, cameras_evenly, eye_of, eyes_cut, eyes_settled,
-        fit_view, orbit_axes, sin_cos_deg, turn_angles, turn_around, turn_in_place, turn_in_view, view_angles,
+        PyCameraPath, PyFace, PyStack, camera_all_around, camera_axes, camera_in_perspective, camera_project,
+        camera_turned, camera_unproject, camera_widened, camera_within, camera_zoomed, cameras_evenly, eye_of,
+        eyes_cut, eyes_settled, fit_view, orbit_axes, shown_positions, sin_cos_deg, turn_angles, turn_around,
+        turn_in_place, turn_in_view, view_angles,
     };
     #[pymodule_export]
     use crate::volume::PyVolume;
@@ -101,6 +102,7 @@ mod _native {
         module.add("SIGNIFICANT", wavesplat::look::SIGNIFICANT)?;
         module.add("FAR_ABOVE_NOISE", wavesplat::look::FAR)?;
         module.add("FARTHEST", wavesplat::view::FARTHEST)?;
+        module.add("FILLED", wavesplat::view::FILLED)?;
         module.add("VIEW_ANGLE", wavesplat::view::VIEW_ANGLE_DEG)?;
         module.add("CHANNEL_COLORS", wavesplat::look::channel_colors::CHANNEL_COLORS.map(<(f64, f64, f64)>::from))?;
         module.add("MAP_NODES", wavesplat::look::colormaps::N_NODES)?;

@@ -1,11 +1,13 @@
 //! Named views, orbits, fits, turns and paths of cameras, eyes and panoramas; see `_native.pyi`.
 
-use glam::DVec3;
+use glam::{DAffine3, DMat3, DVec3};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use wavesplat::view::{self, Axes, CameraPath, Eye, Face, Fit, InView, Lens, N_TURNS, Pose, Turn, TwoEyes};
+use wavesplat::view::{
+    self, Axes, CameraPath, Eye, Face, Fit, InView, Lens, N_TURNS, Pose, SomeSamples, Stack, Turn, TwoEyes,
+};
 
-use crate::arguments::{Triple, rows, vector};
+use crate::arguments::{PyTransferFunction, Triple, rows, vector};
 use crate::errors::to_py;
 
 /// Position, focal point and up, then `parallel_scale` or `view_angle`.
@@ -209,6 +211,65 @@ impl PyFace {
             PyArray1::from_iter(py, places.iter().map(|place| place.weight)),
             rows(py, &at),
         )
+    }
+}
+
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+pub fn shown_positions<'py>(
+    py: Python<'py>,
+    index: PointArray<'py>,
+    values: PyReadonlyArray1<'py, f64>,
+    step: f64,
+    within: [Triple; 2],
+    look: Option<(PyRef<'py, PyTransferFunction>, bool)>,
+    is_whole: bool,
+) -> Bound<'py, PyArray2<f64>> {
+    let (index, values) = (points(&index), values.as_array().to_vec());
+    let some = SomeSamples { index: &index, values: &values, step, within: within.map(vector) };
+    let look = look.as_ref().map(|(function, is_opaque)| (&function.0, *is_opaque));
+    let shown = some.shown(look, is_whole);
+    rows(py, &shown.into_iter().map(|at| at.to_array()).collect::<Vec<_>>())
+}
+
+#[pyclass(name = "Stack", frozen)]
+pub struct PyStack(Stack);
+
+#[pymethods]
+impl PyStack {
+    #[new]
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+    fn new(size: [usize; 3], world_from_index: PointArray<'_>, spacing: Triple, sides: Triple) -> Self {
+        let matrix = world_from_index.as_array();
+        let column = |k| DVec3::new(matrix[[0, k]], matrix[[1, k]], matrix[[2, k]]);
+        let world_from_index =
+            DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) };
+        Self(Stack { size, world_from_index, spacing: vector(spacing), sides: vector(sides) })
+    }
+
+    #[getter]
+    fn is_thin(&self) -> bool {
+        self.0.is_thin()
+    }
+
+    #[getter]
+    fn axis_of_few_slices(&self) -> Option<usize> {
+        self.0.axis_of_few_slices()
+    }
+
+    #[getter]
+    fn axis_of_distant_slices(&self) -> Option<usize> {
+        self.0.axis_of_distant_slices()
+    }
+
+    fn natural_view(
+        &self,
+        is_anatomical: bool,
+        is_upright: &Bound<'_, PyAny>,
+        is_of_patient: &Bound<'_, PyAny>,
+    ) -> PyResult<(f64, f64)> {
+        let ask = |question: &Bound<'_, PyAny>| question.call0()?.extract::<bool>();
+        self.0.natural_view(is_anatomical, || ask(is_upright), || ask(is_of_patient))
     }
 }
 

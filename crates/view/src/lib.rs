@@ -29,6 +29,8 @@ mod panorama;
 mod path;
 mod pose;
 mod rotation;
+mod shown;
+mod stack;
 mod turn;
 
 pub use eyes::{Eye, TwoEyes, VIEW_ANGLE_DEG};
@@ -39,4 +41,6 @@ pub use panorama::{Face, N_TURNS, Place};
 pub use path::CameraPath;
 pub use pose::Pose;
 pub use rotation::{Axes, about, orbit_axes, sin_cos_deg};
+pub use shown::{FILLED, SomeSamples};
+pub use stack::Stack;
 pub use turn::Turn;

@@ -42,6 +42,11 @@ pub fn view_angles(name: &str, is_anatomical: bool) -> Result<(f64, f64)> {
     })
 }
 
+/// Azimuth and elevation, degrees, of a view that there is.
+pub(crate) fn known_angles(name: &'static str, is_anatomical: bool) -> (f64, f64) {
+    view_angles(name, is_anatomical).expect("a name in VIEWS")
+}
+
 #[cfg(test)]
 mod tests {
     use glam::DVec3;

@@ -7,28 +7,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
 from wavesplat._looks.curves.transfer_function import TransferFunction
 from wavesplat._looks.kinds.kinds import found_in
 from wavesplat._model.arguments.clips import Clipping
 from wavesplat._model.camera import fit
 from wavesplat._model.camera.camera import Camera
-from wavesplat._model.camera.views import view_angles
+from wavesplat._model.camera.views import triple
 from wavesplat._model.lazy.survey import HISTOGRAM_SAMPLES, step_for
 from wavesplat._model.volume.facts import Facts
-from wavesplat._model.volume.grid import (
-    NO_PLACE,
-    UPRIGHT,
-    Grid,
-    axis_of_distant_slices,
-    axis_of_few_slices,
-    is_placed_by_default,
-    is_thin,
-)
+from wavesplat._model.volume.grid import NO_PLACE, UPRIGHT, Grid, is_placed_by_default, stack_of
 from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
@@ -41,41 +35,17 @@ Part: TypeAlias = "tuple[Volume | WaveletVolume, Look]"
 
 EVERYTHING = Clipping()
 
-#: Share of the picture's height, or width, that the object fills.
-FILLED = 0.92
-#: Largest ratio of the thinnest side to the second one of a flat box, whose broad face is turned to the eye, and the
-#: azimuth of one that is flat along x, and the elevation of one that is flat along z, degrees.
-FLAT, TURNED, RAISED = 0.6, 120.0, 45.0
+#: See `crates/view`: the share of the picture's height, or width, that the object fills.
+FILLED = _native.FILLED
 #: Largest number of samples that are looked at.
 N_SAMPLES_MAX = 500_000
-#: Least opacity of a visible sample, as a share of the largest one, and least opacity of a visible voxel.
-MIN_SHARE, MIN_OPACITY = 0.02, 2e-4
-#: Percentiles of positions beyond which samples do not count: specks of noise far from the object.
-WITHIN = (0.05, 99.95)
 
 
 def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
     """Azimuth and elevation, degrees: a patient from the front, thin and coarse stacks face on, else oblique."""
-    sides = np.ptp(volume.bounds, axis=0)
-    thinnest = int(sides.argmin())
-    faces_the_eye = is_thin(volume)
-    if (axis := axis_of_few_slices(volume)) is not None or (
-        not volume.is_anatomical and (axis := axis_of_distant_slices(volume)) is not None
-    ):
-        thinnest, faces_the_eye = axis, True
-    if faces_the_eye:
-        if is_upright(volume):
-            # As plots and maps are: the axes of the world to the right and up.
-            return view_angles(("right", "back", "top")[thinnest], is_anatomical=False)
-        # Thin stacks as slices of them are looked at.
-        return view_angles(("yz", "xz", "xy")[thinnest], is_anatomical=volume.is_anatomical)
-    if is_of_patient(volume):
-        return view_angles("anterior", is_anatomical=True)
-    azimuth, elevation = view_angles("isometric", is_anatomical=False)
-    if sides[thinnest] < FLAT * np.sort(sides)[1]:
-        # Flat boxes turn their broad face to the eye.
-        azimuth, elevation = ((TURNED, elevation), (azimuth, elevation), (azimuth, RAISED))[thinnest]
-    return azimuth, elevation
+    return stack_of(volume).natural_view(
+        volume.is_anatomical, partial(is_upright, volume), partial(is_of_patient, volume)
+    )
 
 
 def is_upright(volume: Volume | WaveletVolume) -> bool:
@@ -197,24 +167,11 @@ def _seen(volume: Volume | WaveletVolume, look: Look, clipping: Clipping) -> NDA
     if is_whole_box and (look.labels is not None or not isinstance(function, TransferFunction)):
         return None if crop is None else _corners(volume, box)
     index, values, step = _left(volume, box, clipping)
-    seen = np.ones(len(values), dtype=bool)
+    chosen = None
     if look.labels is None and isinstance(function, TransferFunction):
-        alpha = _visibility(function, values, look.composite) if len(values) else values
-        seen = alpha >= max(MIN_SHARE * float(alpha.max(initial=0.0)), MIN_OPACITY)
-    if not seen.any():
-        if is_whole_box or not len(values):
-            return _corners(volume, box)
-        seen[:] = True
-    index = index[seen]
-    ends = [np.percentile(index, percent, axis=0) for percent in WITHIN]
-    kept = np.all((index >= ends[0]) & (index <= ends[1]), axis=1)
-    if not kept.any():
-        kept[:] = True
-    index, (low, high) = _ends_of_rows(index[kept]), box
-    # All corners of the cells around them: two would be a diagonal, and which one depends on how axes are stored.
-    halves = [np.clip(index + side * 0.5 * step, low, high) for side in (-1, 1)]
-    corners = [np.where([(k >> a) & 1 for a in range(3)], halves[1], halves[0]) for k in range(8)]
-    return _in_world(volume, np.concatenate(corners))
+        chosen = function._core, look.composite not in ("over", "first-hit")
+    within = triple(box[0]), triple(box[1])
+    return _in_world(volume, _native.shown_positions(index, values, step, within, chosen, is_whole_box))
 
 
 def _left(
@@ -241,13 +198,6 @@ def _left(
     return index, values, fine * coarse
 
 
-def _ends_of_rows(index: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The first and last sample of each row along x, of samples in order: none between them is further out."""
-    starts = np.flatnonzero((index[1:, 1:] != index[:-1, 1:]).any(axis=1)) + 1
-    ends = np.unique(np.concatenate([[0], starts, starts - 1, [len(index) - 1]]))
-    return np.asarray(index[ends])
-
-
 def _from_both_ends(n: int, step: int) -> NDArray[np.intp]:
     """Every n-th place from both ends to the middle: the same places in a volume that is stored the other way round.
 
@@ -255,15 +205,6 @@ def _from_both_ends(n: int, step: int) -> NDArray[np.intp]:
     """
     half = np.arange(0, (n + 1) // 2, step)
     return np.unique(np.concatenate([half, n - 1 - half]))
-
-
-def _visibility(function: TransferFunction, values: NDArray[np.float64], composite: str) -> NDArray[np.float64]:
-    """Visibility of values: opacity; in opaque projections, whether the colour differs from the smallest value's."""
-    rgba = function(values)
-    if composite in ("over", "first-hit") or np.ptp(rgba[:, 3]) > 0:
-        return np.asarray(rgba[:, 3])
-    darkest = function(np.array([values.min()]))[0, :3]
-    return np.asarray((np.abs(rgba[:, :3] - darkest).max(axis=1) > 0.1).astype(np.float64))
 
 
 def _inside(volume: Grid, crop: Crop | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
 from wavesplat._model.volume import affine
 from wavesplat._model.volume.facts import Facts
 from wavesplat._storage.paths import NAMELESS, FileName
@@ -120,35 +121,26 @@ def is_without_place(world_from_index: NDArray[np.float64]) -> bool:
 
 # Volumes of a few slices, such as two frames of a CT, and thin stacks: both are seen from their front.
 
-#: Largest number of slices, and least number of samples along their sides.
-FEW, WIDE = 4, 16
-#: Largest ratio of the thinnest side to the second one of a thin stack, which is seen along its thin side.
-THIN = 0.3
-#: Least ratio of the distances of samples, across slices and within them, of a stack that is seen along it. (Confocal
-#: stacks: 4; electron microscopy of sections: 10.)
-COARSE = 3.0
+
+def stack_of(grid: Grid) -> _native.Stack:
+    """The numbers of a volume by which `crates/view` decides whether it is a stack of slices, and how it is seen."""
+    (nz, ny, nx), (x, y, z) = grid.shape, np.ptp(grid.bounds, axis=0).tolist()
+    return _native.Stack((nx, ny, nz), grid.world_from_index, grid.spacing, (x, y, z))
 
 
 def axis_of_distant_slices(grid: Grid) -> int | None:
     """The world's axis (0 is x) along which samples are far apart, so that other planes are blurred; else None."""
-    if max(grid.spacing) < COARSE * np.sort(grid.spacing)[1]:
-        return None
-    return int(np.argmax(np.abs(grid.world_from_index[:3, int(np.argmax(grid.spacing))])))
+    return stack_of(grid).axis_of_distant_slices
 
 
 def is_thin(grid: Grid) -> bool:
     """Whether a volume is a thin stack."""
-    thinnest, second, _ = np.sort(np.ptp(grid.bounds, axis=0))
-    return bool(thinnest < THIN * second)
+    return stack_of(grid).is_thin
 
 
 def axis_of_few_slices(grid: Grid) -> int | None:
     """The world's axis (0 is x) along which a volume has a few slices; None where it has more, or is small."""
-    _, second, _ = sorted(grid.shape)
-    across = int(np.argmin(grid.shape))  # of z, y, x
-    if grid.shape[across] > FEW or second < WIDE:
-        return None
-    return int(np.argmax(np.abs(grid.world_from_index[:3, 2 - across])))
+    return stack_of(grid).axis_of_few_slices
 
 
 # Names of scans by channel, quantity or modality, not by files or folders, which may be named after a patient.

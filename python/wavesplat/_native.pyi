@@ -9,10 +9,13 @@ from numpy.typing import NDArray
 __all__ = [
     "CHANNEL_COLORS",
     "CT_WINDOWS",
+    "DARKEST",
     "FARTHEST",
     "FAR_ABOVE_NOISE",
     "FILLED",
+    "FULL_COLOR",
     "KINDS_OF_MODALITIES",
+    "LUMINANCE",
     "MAP_NODES",
     "PRESET_GROUPS",
     "QUANTITIES",
@@ -40,6 +43,7 @@ __all__ = [
     "Volume",
     "WaveletVolume",
     "__version__",
+    "bent",
     "camera_all_around",
     "camera_axes",
     "camera_fields",
@@ -52,6 +56,7 @@ __all__ = [
     "camera_zoomed",
     "cameras_evenly",
     "channel_color",
+    "channel_ramp",
     "check_material",
     "check_part",
     "check_settings",
@@ -61,6 +66,7 @@ __all__ = [
     "curves_fields",
     "distinct_colors",
     "encode_png",
+    "exposed",
     "eye_of",
     "eyes_cut",
     "eyes_settled",
@@ -71,11 +77,13 @@ __all__ = [
     "gpu_memory",
     "gpu_settle",
     "in_one_unit",
+    "in_window",
     "is_number",
     "is_point",
     "kind_of_data",
     "label_color",
     "light_step",
+    "lightened",
     "lights_of",
     "list_in",
     "look_texts",
@@ -86,6 +94,8 @@ __all__ = [
     "materials_fields",
     "normals_of_faces",
     "only_field",
+    "opacity_of_voxel",
+    "opaque_after",
     "orbit_axes",
     "otsu",
     "otsu_of_scan",
@@ -94,12 +104,14 @@ __all__ = [
     "plane",
     "presets",
     "quality_settings",
+    "ramp_of_part",
     "raycast",
     "render",
     "render_standard",
     "reported_unit",
     "rgb_bytes",
     "rise_nodes",
+    "rising",
     "robust_range",
     "samples_for",
     "scale_nodes",
@@ -121,6 +133,7 @@ __all__ = [
     "unit_metres",
     "unit_name",
     "view_angles",
+    "window_of",
     "without_padding",
 ]
 
@@ -151,6 +164,11 @@ PRESET_GROUPS: dict[str, str]
 SLICER_PREFIX: str
 #: Scales of the values of curves, and whether they need no volume.
 SCALES: list[tuple[str, bool]]
+#: Share of a channel's colour at the low end of its window, and the place of the full colour, 0..1.
+DARKEST: float
+FULL_COLOR: float
+#: Luminance of red, green and blue.
+LUMINANCE: tuple[float, float, float]
 #: Colours of a map that is even.
 MAP_NODES: int
 #: Names of curves of opacity.
@@ -835,6 +853,41 @@ def channel_color(
 def distinct_colors(
     wanted: Sequence[tuple[float, float, float] | None], own: Sequence[tuple[float, float, float] | None]
 ) -> list[tuple[float, float, float]]: ...
+def opaque_after(n_samples: tuple[int, int, int], spacing: tuple[float, float, float]) -> float: ...
+def opacity_of_voxel(opacity: float, n_voxels: float) -> float: ...
+def rising(places: Sequence[float], n_voxels: float) -> list[float]: ...
+def lightened(color: tuple[float, float, float]) -> tuple[float, float, float]: ...
+def channel_ramp(
+    color: tuple[float, float, float],
+    low: float,
+    high: float,
+    n_voxels: float,
+    clear: float | None,
+    white: float | None,
+) -> tuple[list[tuple[float, float]], list[tuple[float, float, float, float]]]: ...
+def ramp_of_part(
+    color: tuple[float, float, float], low: float, high: float, n_voxels: float
+) -> tuple[list[tuple[float, float]], list[tuple[float, float, float, float]]]: ...
+def window_of(
+    opacity: Sequence[tuple[float, float]], color: Sequence[tuple[float, float, float, float]]
+) -> tuple[float, float] | None: ...
+def in_window(
+    opacity: Sequence[tuple[float, float]],
+    color: Sequence[tuple[float, float, float, float]],
+    gradients: Sequence[tuple[float, float]],
+    window: tuple[float, float],
+    wanted: tuple[float, float],
+) -> tuple[tuple[list[tuple[float, float]], list[tuple[float, float, float, float]]], list[tuple[float, float]]]: ...
+def bent(
+    color: Sequence[tuple[float, float, float, float]], window: tuple[float, float], gamma: float
+) -> list[tuple[float, float, float, float]]: ...
+def exposed(
+    opacity: Sequence[tuple[float, float]],
+    color: Sequence[tuple[float, float, float, float]],
+    exposure: float,
+    is_channel: bool,
+    is_projection: bool,
+) -> tuple[list[tuple[float, float]], list[tuple[float, float, float, float]]]: ...
 def plain_name(name: str) -> str: ...
 def presets() -> list[dict[str, Any]]: ...
 def slicer_presets() -> list[tuple[str, bool, dict[str, Any]]]: ...

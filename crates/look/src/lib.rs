@@ -20,7 +20,9 @@
 //! [`kind`] says what the samples of a volume are, and why it is thought so, from [`Evidence`]: what its file says, and
 //! samples spread over it with their neighbours.
 
+pub mod changes;
 pub mod channel_colors;
+pub mod channel_ramp;
 pub mod colormaps;
 pub mod colors;
 mod evidence;
@@ -39,6 +41,7 @@ mod segmentation;
 mod shares;
 pub mod statistics;
 pub mod texts;
+pub mod voxels;
 pub mod windows;
 mod words;
 

@@ -1,6 +1,7 @@
 //! `wavesplat._native`: converts, releases the interpreter lock, calls, maps errors. No algorithm lives here.
 
 mod arguments;
+mod curves;
 mod documents;
 mod errors;
 mod gpu;
@@ -38,6 +39,10 @@ mod _native {
     };
     #[pymodule_export]
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
+    #[pymodule_export]
+    use crate::curves::{
+        bent, exposed, in_window, lightened, opacity_of_voxel, opaque_after, ramp, ramp_of_part, rising, window_of,
+    };
     #[pymodule_export]
     use crate::documents::{
         camera_fields, check_material, check_part, check_settings, check_state, check_values, checked_view,
@@ -105,6 +110,9 @@ mod _native {
         module.add("FILLED", wavesplat::view::FILLED)?;
         module.add("VIEW_ANGLE", wavesplat::view::VIEW_ANGLE_DEG)?;
         module.add("CHANNEL_COLORS", wavesplat::look::channel_colors::CHANNEL_COLORS.map(<(f64, f64, f64)>::from))?;
+        module.add("DARKEST", wavesplat::look::channel_ramp::DARKEST)?;
+        module.add("FULL_COLOR", wavesplat::look::channel_ramp::FULL_COLOR)?;
+        module.add("LUMINANCE", <(f64, f64, f64)>::from(wavesplat::look::channel_ramp::LUMINANCE))?;
         module.add("MAP_NODES", wavesplat::look::colormaps::N_NODES)?;
         let windows = wavesplat::look::windows::CT_WINDOWS.map(|(name, window)| (name, <(f64, f64)>::from(window)));
         module.add("CT_WINDOWS", windows.into_py_dict(module.py())?)?;

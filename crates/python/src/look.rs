@@ -13,7 +13,8 @@ use wavesplat::look::texts;
 
 use crate::arguments::rows;
 
-type RgbTuple = (f64, f64, f64);
+/// Red, green, blue.
+pub type RgbTuple = (f64, f64, f64);
 /// Name, colour and wavelength of a channel.
 type ChannelTuple = (String, Option<RgbTuple>, Option<f64>);
 

@@ -22,10 +22,8 @@ from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
 from wavesplat._looks.kinds import histogram
 from wavesplat._looks.kinds.channel_colors import color_of
 from wavesplat._looks.kinds.channels import (
-    LUMINANCE,
     channel_window,
     clear_of_values,
-    lightened,
     ramp,
     window_of_values,
 )
@@ -422,8 +420,8 @@ def _fluorescence(volume: Volume | WaveletVolume, _known: Evidence, wanted: Rgb 
     low, high, _ = channel_window(volume)
     # Windows of files often begin below the background, which in space is fog.
     background = clear_of_values(without_padding(subsampled(volume)))
-    color = lightened(wanted or color_of(volume.facts.channel, volume.facts.channels) or GREEN)
-    luminance = sum(share * weight for share, weight in zip(color, LUMINANCE, strict=True))
+    color = _native.lightened(wanted or color_of(volume.facts.channel, volume.facts.channels) or GREEN)
+    luminance = sum(share * weight for share, weight in zip(color, _native.LUMINANCE, strict=True))
     red, green, blue = (min(1.0, MAX_LUMINANCE / luminance) * share for share in color)
     return ramp((red, green, blue), low, high, opaque_after(volume), clear=background, white=0.5), None
 

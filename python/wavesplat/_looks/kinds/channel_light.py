@@ -20,15 +20,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
 from wavesplat._looks.changed import bent, exposed
 from wavesplat._looks.curves.transfer_function import TransferFunction
 from wavesplat._looks.kinds import histogram
-from wavesplat._looks.kinds.channels import DARKEST, FULL_COLOR, ROUNDING, is_ramp
+from wavesplat._looks.kinds.channels import ROUNDING, is_ramp
 from wavesplat._model.volume.facts import Rgb
 
 if TYPE_CHECKING:
     from wavesplat._looks.look import Look
 
+#: Share of a colour at the low end of a ramp, and the place of the full colour.
+DARKEST, FULL_COLOR = _native.DARKEST, _native.FULL_COLOR
 #: Digits of places that count: white has its full colour at many nodes, and the first one is meant.
 N_DIGITS = 9
 #: Least cosine of the first colour and the brightest one, into which white is mixed.

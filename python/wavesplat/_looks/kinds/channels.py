@@ -23,7 +23,7 @@ from wavesplat._looks.curves import colors
 from wavesplat._looks.curves.transfer_function import TransferFunction
 from wavesplat._looks.curves.value_scale import End, values_of
 from wavesplat._looks.kinds.channel_colors import color_of
-from wavesplat._looks.kinds.field_curves import OPAQUE, opaque_after, rising
+from wavesplat._looks.kinds.field_curves import opaque_after
 from wavesplat._looks.kinds.histogram import without_padding
 from wavesplat._looks.kinds.looked_at import subsampled
 from wavesplat._looks.look import Look
@@ -38,23 +38,13 @@ if TYPE_CHECKING:
 
 #: Upper ends of windows that span the values of a type, or of a camera: writers put them where they know no window.
 WHOLE_RANGES = {float(2**n - 1) for n in (8, 10, 11, 12, 13, 14, 15, 16, 32)}
-#: Least luminance (Rec. 709) of a colour at the end of the window; a pure blue has 0.07 and is lost on black.
-MIN_LUMINANCE = 0.2
-LUMINANCE = (0.2126, 0.7152, 0.0722)
 #: Largest ratio of the distances of the 90th and 10th percentiles to the median where nearly all is noise (noise: 1;
 #: spots in it: 1.4; nuclei 1.75 to 2.2; cells 3.2), and deviations above the median up to which noise is clear.
 MOSTLY_NOISE, NOISE = 1.6, 4.0
 #: Part of a file's window that is nearly clear, least share of the samples beyond it, and largest share beyond the end.
 DARK_PART, MIN_SHARE, MAX_SHARE = 0.3, 3e-4, 0.3
-#: Share of a colour at the low end of a window, where matter is nearly clear, and the place of the full colour.
-DARKEST, FULL_COLOR = 0.2, 0.65
-#: Values 0..1 at which the opacity of red, green or blue has nodes, and the value below which it is noise in black.
-PLACES_OF_PARTS = np.array([0.0, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0])
-NOISE_OF_BLACK = 0.03
 #: Largest difference of colours that are equal but for rounding.
 ROUNDING = 1e-6
-#: Places of the nodes of opacity in the window: closest where its square bends most against a straight line.
-PLACES = np.array([0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 
 
 def channel_look(
@@ -77,12 +67,12 @@ def channel_look(
     reason = f"a channel in {color_name}, from {low:g} to {high:g}{window_note}"
     channel = volume.facts.channel
     is_part = is_part_of_color(volume.facts) and channel is not None and rgb == channel.color
-    shown = rgb if is_part else lightened(rgb)
+    shown = rgb if is_part else _native.lightened(rgb)
     if composite not in ("over", "first-hit"):
         # A projection colours one value per ray: dark where it is low, so that other channels keep their light there.
         function = TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, *shown)])
     elif is_part:
-        function = _ramp_of_part(rgb, low, high, opaque_after(volume))
+        function = TransferFunction(*_native.ramp_of_part(rgb, low, high, opaque_after(volume)))
     else:
         function = ramp(shown, low, high, opaque_after(volume))
     return Look(
@@ -165,32 +155,14 @@ def clear_of_values(values: NDArray[Any]) -> float:
 
 
 def ramp(
-    color: Rgb, low: float, high: float, n_voxels: float, *, clear: float | None = None, white: float = 0.35
+    color: Rgb, low: float, high: float, n_voxels: float, *, clear: float | None = None, white: float | None = None
 ) -> TransferFunction:
     """A ramp of light in one colour: brightness rises with the value, opacity with its square.
 
     n_voxels : voxels of the highest values that are opaque together. clear : value up to which nothing shows; `low` if
-    None. white : share of white in the colour of the highest values.
+    None. white : share of white in the colour of the highest values; None is the usual one.
     """
-    middle = low + FULL_COLOR * (high - low)
-    dark = tuple(DARKEST * share for share in color)
-    bright = tuple(share + white * (1.0 - share) for share in color)
-    first = low if clear is None else min(max(low, clear), middle)
-    alphas = rising(PLACES, n_voxels)
-    opacity = [(first + float(t) * (high - first), float(a)) for t, a in zip(PLACES, alphas, strict=True)]
-    return TransferFunction(opacity, [(low, *dark), (middle, *color), (high, *bright)])
-
-
-def _ramp_of_part(color: Rgb, low: float, high: float, n_voxels: float) -> TransferFunction:
-    """A ramp of the red, green or blue of a picture: its light, extinction times colour, is in proportion to the value.
-
-    So light of all three adds up to the hue that is stored. Noise of black is clear.
-    """
-    shares = DARKEST + (1 - DARKEST) * np.minimum(PLACES_OF_PARTS / FULL_COLOR, 1.0)
-    depths = np.where(PLACES_OF_PARTS > NOISE_OF_BLACK, PLACES_OF_PARTS / shares, 0.0)
-    alphas = -np.expm1(np.log1p(-OPAQUE) / n_voxels * depths)
-    opacity = [(low + float(t) * (high - low), float(a)) for t, a in zip(PLACES_OF_PARTS, alphas, strict=True)]
-    return TransferFunction(opacity, ramp(color, low, high, n_voxels, white=0.0).color)
+    return TransferFunction(*_native.channel_ramp(color, low, high, n_voxels, clear, white))
 
 
 def is_ramp(look: Look) -> bool:
@@ -201,15 +173,7 @@ def is_ramp(look: Look) -> bool:
     nodes = np.array(function.color)
     if len(nodes) != 3 or not nodes[0, 0] < nodes[-1, 0] or not nodes[1, 1:].max() > 0:
         return False
-    return bool(np.allclose(nodes[0, 1:], DARKEST * nodes[1, 1:], rtol=0, atol=ROUNDING))
-
-
-def lightened(color: Rgb) -> Rgb:
-    """The colour mixed with just enough white to be seen on black."""
-    luminance = sum(share * weight for share, weight in zip(color, LUMINANCE, strict=True))
-    white = max(0.0, (MIN_LUMINANCE - luminance) / (1.0 - luminance)) if luminance < 1.0 else 0.0
-    red, green, blue = (share + white * (1.0 - share) for share in color)
-    return red, green, blue
+    return bool(np.allclose(nodes[0, 1:], _native.DARKEST * nodes[1, 1:], rtol=0, atol=ROUNDING))
 
 
 def _rgb(color: str | Iterable[float]) -> Rgb:

@@ -8,44 +8,27 @@ than up the low ones are seen; of one with two signs, both ends are.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
+
 if TYPE_CHECKING:
     from wavesplat._model.volume.grid import Grid
 
-# Opacity of a voxel in looks that are chosen for a volume: a few voxels of its largest values are opaque.
-#
-# A voxel is as long as the geometric mean of the spacings, the unit of a transfer function without one. It is the only
-# length of the data that a crop, a padded copy and a stack of more slices share, so the same matter looks the same in
-# all of them. The size of the box is none: a ball in a box eight times as large was half as bright. Nor is the
-# thickness of structures, which a crop to one object changes. A microscope's voxel is fitted to what it resolves, so
-# that the finest structures are some voxels thick, and are seen.
-#
-# Boxes that are thinner than these few voxels are opaque through their whole thickness, as their maximum projection is.
+# Opacity of a voxel in looks that are chosen for a volume; `crates/look` decides (`voxels.rs`).
 
-#: Voxels of the largest values that are opaque together. (With 3 a stack of 14 slices is about as bright as its maximum
-#: projection; docs/design/022 has the numbers.)
-N_OPAQUE = 3.0
-#: Opacity that counts as opaque.
-OPAQUE = 0.995
+#: Opacity of one voxel, of which some together have an opacity.
+opacity_of_voxel = _native.opacity_of_voxel
 
 
 def opaque_after(grid: Grid) -> float:
-    """Number of voxels of the largest values that are opaque together: `N_OPAQUE`, or what a thinner box has."""
-    # By logarithms, since the product of tiny spacings is 0.
-    voxel = math.exp(sum(map(math.log, grid.spacing)) / 3)
-    thickness = min(n * step for n, step in zip(grid.shape, reversed(grid.spacing), strict=True)) / voxel
-    return min(N_OPAQUE, thickness)
-
-
-def opacity_of_voxel(opacity: float, n_voxels: float) -> float:
-    """Opacity of one voxel, of which `n_voxels` together have `opacity`."""
-    return 1.0 - math.pow(1.0 - min(opacity, 0.9999), 1.0 / n_voxels)
+    """Number of voxels of the largest values that are opaque together: three, or as many as a thinner box has."""
+    n_z, n_y, n_x = grid.shape
+    return _native.opaque_after((n_x, n_y, n_z), grid.spacing)
 
 
 def rising(places: NDArray[np.float64], n_voxels: float) -> NDArray[np.float64]:
@@ -53,7 +36,7 @@ def rising(places: NDArray[np.float64], n_voxels: float) -> NDArray[np.float64]:
 
     n_voxels : voxels at place 1 that are opaque together.
     """
-    return np.asarray(-np.expm1(np.log1p(-OPAQUE) / n_voxels * places**2))
+    return np.array(_native.rising(places.tolist(), n_voxels))
 
 
 # Curves of fields: values, opacities, and which end of the values is shown.

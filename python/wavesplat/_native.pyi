@@ -63,6 +63,7 @@ __all__ = [
     "check_state",
     "check_values",
     "checked_view",
+    "ct_nodes",
     "curves_fields",
     "distinct_colors",
     "encode_png",
@@ -76,6 +77,7 @@ __all__ = [
     "gpu_count",
     "gpu_memory",
     "gpu_settle",
+    "grey_nodes",
     "in_one_unit",
     "in_window",
     "is_number",
@@ -115,6 +117,7 @@ __all__ = [
     "robust_range",
     "samples_for",
     "scale_nodes",
+    "scan_nodes",
     "shown_positions",
     "sin_cos_deg",
     "slicer_presets",
@@ -124,10 +127,12 @@ __all__ = [
     "stored_offset",
     "straight_bytes",
     "table_fields",
+    "tissue_nodes",
     "turn_angles",
     "turn_around",
     "turn_in_place",
     "turn_in_view",
+    "ultrasound_nodes",
     "unit_factor",
     "unit_guesses",
     "unit_metres",
@@ -731,6 +736,14 @@ def kind_of_data(
     most, [z, y, x]. is_whole : whether floating-point numbers in memory are all whole.
     """
 
+#: Values and opacities; values, red, green, blue.
+_Nodes: TypeAlias = tuple[list[tuple[float, float]], list[tuple[float, float, float, float]]]
+
+def ct_nodes(offset: float) -> _Nodes: ...
+def tissue_nodes(values: NDArray[np.float64]) -> _Nodes: ...
+def ultrasound_nodes(values: NDArray[np.float64]) -> _Nodes: ...
+def scan_nodes(values: NDArray[np.float64], gradients: NDArray[np.float64], is_anatomical: bool) -> _Nodes: ...
+def grey_nodes(values: NDArray[np.float64], is_ct: bool, is_clear_below: bool) -> _Nodes: ...
 def light_step(shape: tuple[int, int, int], world_from_index: NDArray[np.float64]) -> tuple[int, int, int]:
     """Steps (z, y, x) between the samples that light is worked out from."""
 

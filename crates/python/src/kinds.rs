@@ -3,7 +3,9 @@
 
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use wavesplat::look::{self, Evidence, KindFacts, Neighbourhood, NumberType, SeenSamples, SidePair, Source};
+use wavesplat::look::{
+    self, CurveNodes, DataKind, Evidence, KindFacts, Neighbourhood, NumberType, SeenSamples, SidePair, Source,
+};
 
 type Values<'py> = PyReadonlyArray1<'py, f64>;
 type Array<'py> = Bound<'py, PyArray1<f64>>;
@@ -155,4 +157,41 @@ pub fn kind_of_data<'py>(
     let fill = seen.fill();
     let (values, gradients) = (seen.values.into_pyarray(py), seen.gradients.into_pyarray(py));
     Ok((found.kind.name(), found.reason, found.has_noise, found.has_few_bright, values, gradients, fill))
+}
+
+/// Nodes of opacity and of colour.
+type Nodes = (Vec<(f64, f64)>, Vec<(f64, f64, f64, f64)>);
+
+fn nodes(of: &CurveNodes) -> Nodes {
+    let color = |node: &wavesplat::ColorNode| (node.value, node.rgb[0], node.rgb[1], node.rgb[2]);
+    (of.opacity.iter().map(|node| (node.value, node.opacity)).collect(), of.color.iter().map(color).collect())
+}
+
+#[pyfunction]
+pub fn ct_nodes(offset: f64) -> Nodes {
+    nodes(&CurveNodes::of_ct(offset))
+}
+
+#[pyfunction]
+pub fn tissue_nodes(py: Python<'_>, values: Values<'_>) -> PyResult<Nodes> {
+    let values = values.as_slice()?;
+    Ok(nodes(&py.detach(|| CurveNodes::of_tissue(values))))
+}
+
+#[pyfunction]
+pub fn ultrasound_nodes(py: Python<'_>, values: Values<'_>) -> PyResult<Nodes> {
+    let values = values.as_slice()?;
+    Ok(nodes(&py.detach(|| CurveNodes::of_ultrasound(values))))
+}
+
+#[pyfunction]
+pub fn scan_nodes(py: Python<'_>, values: Values<'_>, gradients: Values<'_>, is_anatomical: bool) -> PyResult<Nodes> {
+    let seen = SeenSamples { values: values.as_slice()?.to_vec(), gradients: gradients.as_slice()?.to_vec() };
+    Ok(nodes(&py.detach(|| CurveNodes::of_scan(&seen, is_anatomical))))
+}
+
+#[pyfunction]
+pub fn grey_nodes(py: Python<'_>, values: Values<'_>, is_ct: bool, is_clear_below: bool) -> PyResult<Nodes> {
+    let (values, kind) = (values.as_slice()?, if is_ct { DataKind::Ct } else { DataKind::Scan });
+    Ok(nodes(&py.detach(|| CurveNodes::of_greys(values, kind, is_clear_below))))
 }

@@ -53,7 +53,8 @@ mod _native {
     use crate::gpu::{gpu_adapters, gpu_check, gpu_count, gpu_memory, gpu_settle};
     #[pymodule_export]
     use crate::kinds::{
-        kind_of_data, looks_like_hounsfield, otsu, otsu_of_scan, robust_range, stored_offset, without_padding,
+        ct_nodes, grey_nodes, kind_of_data, looks_like_hounsfield, otsu, otsu_of_scan, robust_range, scan_nodes,
+        stored_offset, tissue_nodes, ultrasound_nodes, without_padding,
     };
     #[pymodule_export]
     use crate::labels::PyLabels;

@@ -102,6 +102,7 @@ ROOMS = {
         "shares",
         "segmentation",
         "kinds",
+        "scans",
     ],
     "crates/view/src": [
         "rotation",

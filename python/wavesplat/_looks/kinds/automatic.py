@@ -36,7 +36,7 @@ from wavesplat._looks.kinds.field_curves import (
     opaque_after,
     rising,
 )
-from wavesplat._looks.kinds.histogram import otsu, otsu_of_scan, robust_range_of, without_padding
+from wavesplat._looks.kinds.histogram import otsu, robust_range_of, without_padding
 from wavesplat._looks.kinds.kinds import Evidence, Kind, evidence, kind_of, offset_of
 from wavesplat._looks.kinds.looked_at import subsampled
 from wavesplat._looks.labels import label_names
@@ -91,21 +91,6 @@ SOLID = Shading(ambient_occlusion=0.3)
 #: Light for translucent things: a highlight on every faint boundary would be noise.
 SOFT = Shading(specular=0.1)
 
-#: Values in Hounsfield units, opacity of a millimetre: soft tissue is a veil, vessels with contrast agent and bone are
-#: solid.
-CT_OPACITY = [(-160, 0.0), (-90, 0.001), (20, 0.004), (80, 0.008), (130, 0.03), (180, 0.2), (280, 0.6), (900, 0.95)]
-CT_COLOR = [
-    (-160, 1.0, 0.9, 0.74),
-    (-20, 1.0, 0.82, 0.66),
-    (60, 1.0, 0.62, 0.5),
-    (130, 0.98, 0.55, 0.42),
-    (200, 1.0, 0.84, 0.68),
-    (320, 1.0, 0.95, 0.85),
-    (900, 1.0, 1.0, 0.97),
-]
-#: Colours from faint to bright: tissue is warm, as is expected; other scans go from blue to ivory.
-TISSUE = [(0.62, 0.30, 0.24), (0.90, 0.58, 0.44), (1.00, 0.84, 0.68), (1.00, 0.99, 0.95)]
-MATTER = [(0.20, 0.42, 0.68), (0.36, 0.68, 0.74), (0.93, 0.83, 0.58), (1.00, 0.96, 0.88)]
 #: Colour of fluorescence whose file has none: green, as GFP has it, white where it is brightest.
 GREEN = (0.35, 1.0, 0.45)
 #: Largest luminance of the full colour of fluorescence, so that white and yellow have room for what is brighter.
@@ -120,8 +105,6 @@ BLOCKS = ("MR", "scan")
 #: Hounsfield units in the black of a maximum: every ray through a body meets soft tissue, so that what is below shows
 #: nothing but the table, and takes half of the greys from vessels and bone.
 CT_MAXIMUM_BLACK = -100.0
-#: Hounsfield units in black and in white: level 40, width 400, the usual window of soft tissue.
-CT_WINDOW = (-160.0, 240.0)
 MASK = (0.98, 0.80, 0.56)
 #: The map of `cmap` that fields are shown in, and where it begins: its dark end cannot be seen on black.
 FIELD_MAP, FIELD_START = "inferno", 0.4
@@ -310,10 +293,7 @@ def _maximum_of_few(volume: Volume | WaveletVolume, known: Evidence) -> Look:
 
 def _greys(known: Evidence, *, is_clear_below: bool = False) -> TransferFunction:
     """Opaque greys, as slices are shown. `is_clear_below`: what would be black is clear, such as air."""
-    low, high = CT_WINDOW if known.kind == "CT" else np.percentile(known.values, (0.5, 99.5))
-    high = high if high > low else low + 1.0
-    opacity = [(low, 0.0), (low, 1.0)] if is_clear_below else [(low, 1.0)]
-    return TransferFunction(opacity, [(low, 0.0, 0.0, 0.0), (high, 1.0, 1.0, 1.0)])
+    return TransferFunction(*_native.grey_nodes(known.values, known.kind == "CT", is_clear_below))
 
 
 Made = tuple[TransferFunction, "Shading | None"]
@@ -321,40 +301,18 @@ Made = tuple[TransferFunction, "Shading | None"]
 
 def _ct(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
     millimetre = units.MILLIMETRE / (units.metres(volume.unit) or units.MILLIMETRE)
-    function = TransferFunction(CT_OPACITY, CT_COLOR, opacity_unit=millimetre)
-    if offset := offset_of(volume):
-        function = function._moved(offset)
+    function = TransferFunction(*_native.ct_nodes(offset_of(volume)), opacity_unit=millimetre)
     return function, Shading(specular=0.15, ambient_occlusion=0.3)
 
 
 def _tissue(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    """A look that shows skin and organs as surfaces: opaque soon above the background.
-
-    White is left to the largest thousandth: fat, and skin with it, is among the brightest seventh of a head, which in
-    scans of thick slices was a white plaster.
-    """
-    low, threshold, high = _parted(known)
-    inside = known.values[known.values > threshold]
-    middle, upper = np.percentile(inside, (40.0, 85.0))
-    nodes = _increasing([threshold - 0.4 * (threshold - low), threshold, middle, upper], high - low)
-    opacity = [0.0, 0.05, 0.25, 0.5]
-    return _curves(nodes, opacity, TISSUE, _increasing([nodes[0], nodes[1], nodes[3], high], high - low)), SOLID
+    """A look that shows skin and organs as surfaces: opaque soon above the background."""
+    return TransferFunction(*_native.tissue_nodes(known.values)), SOLID
 
 
 def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """A look that shows boundaries: opacity follows the mean gradient at a value, relative to that of other values."""
-    low, high = robust_range_of(known.values)
-    low, threshold, high = otsu_of_scan(known.values, low, high)
-    colors = TISSUE if volume.is_anatomical else MATTER
-    values = np.linspace(low, high, 65)
-    strength = _boundary_strength(known, values)
-    rise = np.clip((values - threshold) / max(high - threshold, 1e-12), 0.0, 1.0)
-    strength = 0.3 + 0.7 * strength
-    seen = values > threshold - 0.25 * (threshold - low)
-    alpha = np.where(seen, strength * (0.02 + 0.6 * rise**1.2), 0.0)
-    alpha[-1] = max(alpha[-1], 0.5)
-    nodes = list(zip(values.tolist(), np.clip(alpha, 0.0, 1.0).tolist(), strict=True))
-    return TransferFunction(nodes, _colored(colors, threshold, high)), SOLID
+    return TransferFunction(*_native.scan_nodes(known.values, known.gradients, volume.is_anatomical)), SOLID
 
 
 def _dose(volume: Volume | WaveletVolume, known: Evidence) -> Made:
@@ -410,9 +368,7 @@ def _light(name: str, low: float, high: float, n_voxels: float) -> TransferFunct
 
 
 def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    low, threshold, high = _parted(known)
-    nodes = _increasing([threshold, threshold + 0.3 * (high - threshold), high], high - low)
-    return _curves(nodes, [0.0, 0.12, 0.5], TISSUE, np.linspace(threshold, high, 4)), Shading(ambient_occlusion=0.4)
+    return TransferFunction(*_native.ultrasound_nodes(known.values)), Shading(ambient_occlusion=0.4)
 
 
 def _fluorescence(volume: Volume | WaveletVolume, _known: Evidence, wanted: Rgb | None = None) -> Made:
@@ -516,19 +472,6 @@ def _parted(known: Evidence) -> tuple[float, float, float]:
     return low, otsu(known.values, low, high), high
 
 
-def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Mean gradient of the samples near each value, as a share of the largest such mean, 0..1."""
-    step = float(values[1] - values[0])
-    place = np.clip(np.round((known.values - values[0]) / step).astype(np.int64), 0, values.size - 1)
-    counts = np.bincount(place, minlength=values.size).astype(np.float64)
-    sums = np.bincount(place, weights=known.gradients, minlength=values.size)
-    around = np.array([0.25, 0.5, 0.25])
-    counts, sums = (np.convolve(np.pad(array, 1, mode="edge"), around, mode="valid") for array in (counts, sums))
-    mean = np.where(counts > 0, sums / np.maximum(counts, 1e-9), 0.0)
-    enough = counts > 1e-5 * known.values.size
-    return np.asarray(mean / max(float(mean[enough].max(initial=0.0)), 1e-12)).clip(0.0, 1.0)
-
-
 def _increasing(nodes: Sequence[float], extent: float) -> list[float]:
     """The nodes, kept a small distance apart: equal percentiles would make steps."""
     least = 1e-3 * extent
@@ -536,17 +479,6 @@ def _increasing(nodes: Sequence[float], extent: float) -> list[float]:
     for node in nodes[1:]:
         out.append(max(float(node), out[-1] + least))
     return out
-
-
-def _curves(nodes: list[float], opacity: list[float], colors: Sequence[Rgb], places: Any) -> TransferFunction:
-    return TransferFunction(
-        list(zip(nodes, opacity, strict=True)),
-        [(float(place), *color) for place, color in zip(places, colors, strict=True)],
-    )
-
-
-def _colored(colors: Sequence[Rgb], low: float, high: float) -> list[tuple[float, float, float, float]]:
-    return [(float(v), *color) for v, color in zip(np.linspace(low, high, len(colors)), colors, strict=True)]
 
 
 def _mapped(name: str, nodes: NDArray[np.float64], *, start: float) -> list[tuple[float, ...]]:

@@ -64,6 +64,7 @@
 //!
 //! - [`Look::preset`]: looks by name, ours and 3D Slicer's; [`look`]: colour maps, windows of CT, colours of channels.
 //! - [`document::CameraDocument`]: cameras that Python or the viewer saved as JSON.
+//! - [`PlacedCamera`]: `Camera::orbit(&volume, ..)`, and `Camera::fit(&scene, ..)` around what looks show.
 //! - [`view::InView`]: cameras on an orbit, or of a named view, that show all of a volume; [`view::Pose`]: their turns.
 //! - [`Composite`]: *over*, first hit of an isosurface, and projections (MIP and others).
 //! - [`Shading`]: Phong, lights, ambient occlusion, shadows. [`Labels`]: a segmentation beside the scan.
@@ -92,6 +93,7 @@ mod frame;
 mod lazy_volume;
 mod level_look;
 mod level_volume;
+mod placed;
 mod png;
 mod quality;
 mod sample_reader;
@@ -108,6 +110,7 @@ pub use frame::{Frame, FrameOptions, StageTimes};
 pub use lazy_volume::LazyVolume;
 pub use level_look::{LevelBrightness, LevelPart};
 pub use level_volume::LevelVolume;
+pub use placed::PlacedCamera;
 pub use png::{PngBits, encode_png, png_of_rgba};
 pub use quality::{Effort, Quality};
 pub use sample_reader::{SampleBuffer, SampleReader, StreamError};

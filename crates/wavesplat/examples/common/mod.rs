@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use glam::{DAffine3, DVec3};
-use wavesplat::{Camera, ColorNode, Frame, OpacityNode, PngBits, Projection, TransferFunction, encode_png};
+use wavesplat::view::{Fit, InView, box_corners};
+use wavesplat::{Camera, ColorNode, Frame, OpacityNode, PngBits, TransferFunction, encode_png};
 
 /// Samples along each axis.
 pub const N: usize = 96;
@@ -53,11 +54,11 @@ pub fn world_from_index() -> DAffine3 {
     DAffine3::from_scale(DVec3::splat(2.0))
 }
 
-/// Camera that looks from the front, the right and above.
+/// Camera in perspective that shows all of the head, which leaves the corners of its box empty, from above and beside.
 pub fn camera() -> wavesplat::Result<Camera> {
-    let middle = world_from_index().transform_point3(DVec3::splat((N - 1) as f64 / 2.0));
-    let projection = Projection::Perspective { view_angle_rad: 0.5 };
-    Camera::new(middle + DVec3::new(-260.0, -330.0, 170.0), middle, DVec3::Z, projection)
+    let corners =
+        box_corners([DVec3::ZERO, DVec3::splat(N as f64 - 1.0)]).map(|p| world_from_index().transform_point3(p));
+    InView::around(&corners).perspective(30.0).zoom(1.6).orbit(142.0, 22.0, Fit::View)?.camera()
 }
 
 /// Transfer function that is linear between opacities and colours.

@@ -1,0 +1,130 @@
+//! Cameras placed by what they show.
+
+use std::convert::Infallible;
+
+use glam::DVec3;
+use wavesplat_core::{Camera, Result, Volume};
+use wavesplat_view::{FILLED, Fit, InView, SomeSamples, Stack, grid_corners};
+
+use crate::scene::{Scene, SceneLayer, SceneVolume};
+
+/// Largest number of samples that are looked at to find what a look shows.
+const N_SAMPLES_MAX: usize = 500_000;
+
+/// Orthographic cameras around volumes and scenes; for perspective, turns and more see [`InView`].
+///
+/// ```
+/// use wavesplat::glam::DAffine3;
+/// use wavesplat::{Camera, ColorNode, OpacityNode, PlacedCamera, Samples, Scene, TransferFunction, Volume};
+///
+/// # fn main() -> wavesplat::Result<()> {
+/// let samples: Vec<u8> = (0..20 * 20 * 20).map(|k| if k % 20 < 5 { 200 } else { 0 }).collect();
+/// let volume = Volume::new("slab", Samples::U8(&samples), [20; 3], DAffine3::IDENTITY)?;
+/// let from_the_left = Camera::orbit(&volume, 90.0, 0.0, 4.0 / 3.0)?;
+/// assert!(from_the_left.position().x < 0.0);
+///
+/// let opacity = [(0.0, 0.0), (200.0, 0.5)].map(|(value, opacity)| OpacityNode { value, opacity });
+/// let look = TransferFunction::new(opacity.to_vec(), vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], None)?;
+/// let around_the_slab = Camera::fit(&Scene::new(volume, look), 4.0 / 3.0)?;
+/// # assert!(around_the_slab.projection() != from_the_left.projection());
+/// # Ok(())
+/// # }
+/// ```
+pub trait PlacedCamera: Sized {
+    /// The camera on the orbit around a volume, degrees, as near as all of its box is in view in a picture of that
+    /// ratio of width to height.
+    ///
+    /// # Errors
+    ///
+    /// If a number is not finite, or the ratio is out of range.
+    fn orbit(volume: &Volume<'_>, azimuth_deg: f64, elevation_deg: f64, aspect: f64) -> Result<Self>;
+
+    /// The camera of the view that suits a scene's first volume, as near as all that looks show fits into a picture of
+    /// that ratio of width to height. Volumes that are not in memory are in view as a whole.
+    ///
+    /// # Errors
+    ///
+    /// If the ratio is out of range.
+    fn fit(scene: &Scene<'_>, aspect: f64) -> Result<Self>;
+}
+
+impl PlacedCamera for Camera {
+    fn orbit(volume: &Volume<'_>, azimuth_deg: f64, elevation_deg: f64, aspect: f64) -> Result<Self> {
+        let corners = grid_corners(volume.grid());
+        InView::around(&corners).aspect(aspect).orbit(azimuth_deg, elevation_deg, Fit::View)?.camera()
+    }
+
+    fn fit(scene: &Scene<'_>, aspect: f64) -> Result<Self> {
+        let stack = Stack::of(scene.layers[0].volume.grid());
+        let no = || Ok::<_, Infallible>(false);
+        let (azimuth, elevation) = match stack.natural_view(false, no, no) {
+            Ok(angles) => angles,
+            Err(never) => match never {},
+        };
+        let corners: Vec<DVec3> = scene.layers.iter().flat_map(|layer| grid_corners(layer.volume.grid())).collect();
+        let points: Vec<DVec3> = scene.layers.iter().flat_map(shown_of).collect();
+        InView::around(&corners)
+            .points(&points)
+            .zoom(FILLED)
+            .aspect(aspect)
+            .orbit(azimuth, elevation, Fit::View)?
+            .camera()
+    }
+}
+
+/// World positions around what the look of a layer shows.
+fn shown_of(layer: &SceneLayer<'_>) -> Vec<DVec3> {
+    let grid = layer.volume.grid();
+    let SceneVolume::Samples(volume, _) = &layer.volume else { return grid_corners(grid).to_vec() };
+    let size = grid.size();
+    let n_samples = |step: usize| size.map(|n| n.div_ceil(step)).iter().product::<usize>();
+    let step = (1..=size[0].max(size[1]).max(size[2])).find(|&step| n_samples(step) <= N_SAMPLES_MAX).unwrap_or(1);
+    // From both ends to the middle, so that volumes that are stored the other way round have the same places.
+    let [xs, ys, zs] = size.map(|n| (0..n).filter(|&k| k.min(n - 1 - k) % step == 0).collect::<Vec<_>>());
+    let (mut index, mut values) = (Vec::new(), Vec::new());
+    for &z in &zs {
+        for (&y, &x) in ys.iter().flat_map(|y| xs.iter().map(move |x| (y, x))) {
+            let value = volume.samples().get((z * size[1] + y) * size[0] + x);
+            if value.is_finite() {
+                index.push(DVec3::new(x as f64, y as f64, z as f64));
+                values.push(value);
+            }
+        }
+    }
+    let within = [DVec3::ZERO, grid.last_index()];
+    let some = SomeSamples { index: &index, values: &values, step: step as f64, within };
+    let has_one_dimension = layer.transfer_function.function_2d().is_none();
+    let shown = some.shown(has_one_dimension.then_some((&layer.transfer_function, false)), true);
+    shown.into_iter().map(|at| grid.world_from_index().transform_point3(at)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+    use wavesplat_core::{ColorNode, OpacityNode, Projection, Samples, TransferFunction};
+
+    use super::*;
+
+    #[test]
+    fn a_fit_frames_what_the_look_shows_and_an_orbit_the_whole_box() {
+        let n = 40;
+        let place = |k: usize| DVec3::new((k % n) as f64, (k / n % n) as f64, (k / (n * n)) as f64);
+        let middle = DVec3::new(25.0, 20.0, 20.0);
+        let samples: Vec<u8> = (0..n * n * n).map(|k| if place(k).distance(middle) < 6.5 { 200 } else { 0 }).collect();
+        let volume = Volume::new("ball", Samples::U8(&samples), [n; 3], DAffine3::IDENTITY).unwrap();
+        let opacity = [(0.0, 0.0), (200.0, 0.5)].map(|(value, opacity)| OpacityNode { value, opacity });
+        let look =
+            TransferFunction::new(opacity.to_vec(), vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], None).unwrap();
+        let half = |camera: &Camera| match camera.projection() {
+            Projection::Orthographic { parallel_scale } => parallel_scale,
+            Projection::Perspective { .. } => f64::NAN,
+        };
+        let whole = Camera::orbit(&volume, 0.0, 0.0, 1.0).unwrap();
+        assert!((half(&whole) - 19.5).abs() < 1e-9);
+        let ball = Camera::fit(&Scene::new(volume, look), 1.0).unwrap();
+        assert!((6.0..9.5).contains(&(half(&ball) * FILLED)), "{}", half(&ball));
+        let ray = ball.ray(32.0, 32.0, 64, 64);
+        let ahead = (ray.origin - middle).cross(ray.direction.normalize());
+        assert!(ahead.length() < 1e-9, "the ball is in the middle of the picture");
+    }
+}

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 use wavesplat::{
     Camera, ColorNode, Error, Gradient, GradientNode, Light, LightFrame, OpacityNode, Projection, Shading,
     TransferFunction, TransferFunction2D,
@@ -10,6 +11,17 @@ use wavesplat::{
 use wavesplat_study::reference::ablation::{Ablation, FootprintTable, GradientScheme};
 
 use crate::errors::to_py;
+
+/// A text of Python, in which a half of a pair of UTF-16 that stands alone, which Rust's texts cannot have, is U+FFFD.
+pub struct Text(pub String);
+
+impl<'py> FromPyObject<'_, 'py> for Text {
+    type Error = PyErr;
+
+    fn extract(text: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self(text.cast::<PyString>()?.to_string_lossy().into_owned()))
+    }
+}
 
 /// Three numbers.
 pub type Triple = (f64, f64, f64);

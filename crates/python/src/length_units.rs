@@ -3,12 +3,15 @@
 use pyo3::prelude::*;
 use wavesplat::files::length_units;
 
+use crate::arguments::Text;
+
 /// Units of axes x, y and z.
 type UnitsXyz = (Option<String>, Option<String>, Option<String>);
 
 #[pyfunction]
-pub fn unit_name(text: &str) -> Option<String> {
-    length_units::canonical(text)
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands texts over by value")]
+pub fn unit_name(text: Text) -> Option<String> {
+    length_units::canonical(&text.0)
 }
 
 #[pyfunction]

@@ -11,7 +11,7 @@ use wavesplat::look::presets::{OpacityUnit, Preset, SlicerPreset, ours, slicer_n
 use wavesplat::look::scale::Scale;
 use wavesplat::look::texts;
 
-use crate::arguments::rows;
+use crate::arguments::{Text, rows};
 
 /// Red, green, blue.
 pub type RgbTuple = (f64, f64, f64);
@@ -48,13 +48,15 @@ fn map_range((low, high, is_log, gamma): RangeTuple) -> MapRange {
 }
 
 #[pyfunction]
-pub fn map_colors<'py>(py: Python<'py>, name: &str) -> Option<Bound<'py, PyArray2<f64>>> {
-    ColorMap::named(name).map(|map| rows(py, &map.colors()))
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands texts over by value")]
+pub fn map_colors(py: Python<'_>, name: Text) -> Option<Bound<'_, PyArray2<f64>>> {
+    ColorMap::named(&name.0).map(|map| rows(py, &map.colors()))
 }
 
 #[pyfunction]
-pub fn map_is_diverging(name: &str) -> Option<bool> {
-    ColorMap::named(name).map(|map| map.is_diverging)
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands texts over by value")]
+pub fn map_is_diverging(name: Text) -> Option<bool> {
+    ColorMap::named(&name.0).map(|map| map.is_diverging)
 }
 
 #[pyfunction]
@@ -70,9 +72,10 @@ pub fn map_nodes(
 }
 
 #[pyfunction]
-pub fn rise_nodes(name: Option<&str>, numbers: Vec<f64>, range: RangeTuple) -> Option<Vec<(f64, f64)>> {
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands texts over by value")]
+pub fn rise_nodes(name: Option<Text>, numbers: Vec<f64>, range: RangeTuple) -> Option<Vec<(f64, f64)>> {
     let rise = match (name, &numbers[..]) {
-        (Some(name), _) => Rise::NAMED.into_iter().find(|(known, _)| *known == name)?.1,
+        (Some(name), _) => Rise::NAMED.into_iter().find(|(known, _)| *known == name.0)?.1,
         (None, &[alpha]) => Rise::Constant(alpha),
         (None, _) => Rise::Numbers(numbers),
     };
@@ -81,8 +84,9 @@ pub fn rise_nodes(name: Option<&str>, numbers: Vec<f64>, range: RangeTuple) -> O
 }
 
 #[pyfunction]
-pub fn plain_name(name: &str) -> String {
-    texts::plain(name)
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands texts over by value")]
+pub fn plain_name(name: Text) -> String {
+    texts::plain(&name.0)
 }
 
 /// Our presets, each as the fields of its document.
@@ -148,8 +152,9 @@ pub fn slicer_presets(py: Python<'_>) -> PyResult<Vec<(String, bool, Bound<'_, P
 
 /// Nodes with values instead of places on a scale, or, of `widths`, of differences.
 #[pyfunction]
-pub fn scale_nodes(scale: &str, nodes: Vec<Vec<f64>>, low: f64, high: f64, widths: bool) -> Option<Vec<Vec<f64>>> {
-    let scale = Scale::NAMES.iter().find(|(name, _)| *name == scale)?.1;
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands texts over by value")]
+pub fn scale_nodes(scale: Text, nodes: Vec<Vec<f64>>, low: f64, high: f64, widths: bool) -> Option<Vec<Vec<f64>>> {
+    let scale = Scale::NAMES.iter().find(|(name, _)| *name == scale.0)?.1;
     match nodes.first().map_or(0, Vec::len) {
         0 => Some(nodes),
         2 => nodes_of::<2>(scale, nodes, low, high, widths),

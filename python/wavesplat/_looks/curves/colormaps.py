@@ -51,7 +51,7 @@ def transfer_function(
     """See `TransferFunction.from_colormap`."""
     positive(gamma, "gamma", "a positive number, 1 changes nothing")
     low, high = _limits(volume, clim, log=log)
-    over = (low, high, log, gamma)
+    over = (low, high, bool(log), gamma)
     color = _native.map_nodes(*colors_of(name), over)
     return TransferFunction(opacity_nodes(opacity, over), color, opacity_unit)
 

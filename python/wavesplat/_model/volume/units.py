@@ -23,8 +23,7 @@ guesses_of = _native.unit_guesses
 
 def canonical(text: object) -> str | None:
     """Our name of a unit that a file names ("Micrometers", "µm"); one that is unknown as it is; None where none is."""
-    # A lone half of a pair of UTF-16, as broken metadata have, is no letter.
-    return _native.unit_name(str(text or "").encode("utf-8", "replace").decode("utf-8"))
+    return _native.unit_name(str(text or ""))
 
 
 def checked(unit: object) -> str | None:

@@ -72,7 +72,6 @@ pub fn map_nodes(
 }
 
 #[pyfunction]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands texts over by value")]
 pub fn rise_nodes(name: Option<Text>, numbers: Vec<f64>, range: RangeTuple) -> Option<Vec<(f64, f64)>> {
     let rise = match (name, &numbers[..]) {
         (Some(name), _) => Rise::NAMED.into_iter().find(|(known, _)| *known == name.0)?.1,

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "CHANNEL_COLORS",
+    "CHANNEL_COLORS_IN_SPACE",
     "CT_WINDOWS",
     "DARKEST",
     "FARTHEST",
@@ -180,6 +181,8 @@ MAP_NODES: int
 RISES: list[str]
 #: Conventional colours of channels that have none.
 CHANNEL_COLORS: list[tuple[float, float, float]]
+#: Lighter ones for pictures in space, in the same order.
+CHANNEL_COLORS_IN_SPACE: list[tuple[float, float, float]]
 
 @type_check_only
 class RenderResult(TypedDict):

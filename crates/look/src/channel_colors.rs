@@ -19,6 +19,17 @@ pub const CHANNEL_COLORS: [Rgb; 8] = [
     [1.0, 1.0, 1.0],
     [1.0, 0.65, 0.0],
 ];
+/// Lighter ones for pictures in space, in the same order.
+pub const CHANNEL_COLORS_IN_SPACE: [Rgb; 8] = [
+    [0.35, 1.0, 0.45],
+    [1.0, 0.35, 0.95],
+    [0.3, 0.9, 1.0],
+    [1.0, 0.9, 0.3],
+    [1.0, 0.35, 0.3],
+    [0.35, 0.5, 1.0],
+    [1.0, 1.0, 1.0],
+    [1.0, 0.6, 0.25],
+];
 /// Longest wavelength of the light, nanometres, and its usual colour: blue, cyan, green, yellow, orange, red; longer ones
 /// are far red.
 const COLORS_OF_LIGHT: [(f64, Rgb); 6] = [

@@ -111,6 +111,8 @@ mod _native {
         module.add("FILLED", wavesplat::view::FILLED)?;
         module.add("VIEW_ANGLE", wavesplat::view::VIEW_ANGLE_DEG)?;
         module.add("CHANNEL_COLORS", wavesplat::look::channel_colors::CHANNEL_COLORS.map(<(f64, f64, f64)>::from))?;
+        let in_space = wavesplat::look::channel_colors::CHANNEL_COLORS_IN_SPACE.map(<(f64, f64, f64)>::from);
+        module.add("CHANNEL_COLORS_IN_SPACE", in_space)?;
         module.add("DARKEST", wavesplat::look::channel_ramp::DARKEST)?;
         module.add("FULL_COLOR", wavesplat::look::channel_ramp::FULL_COLOR)?;
         module.add("LUMINANCE", <(f64, f64, f64)>::from(wavesplat::look::channel_ramp::LUMINANCE))?;

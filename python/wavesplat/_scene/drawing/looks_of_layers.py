@@ -35,22 +35,7 @@ if TYPE_CHECKING:
     from wavesplat._scene.scene import Scene
 
 #: Conventional colours -> lighter ones, for pictures in space.
-IN_SPACE: dict[Rgb, Rgb] = dict(
-    zip(
-        _native.CHANNEL_COLORS,
-        (
-            (0.35, 1.0, 0.45),
-            (1.0, 0.35, 0.95),
-            (0.3, 0.9, 1.0),
-            (1.0, 0.9, 0.3),
-            (1.0, 0.35, 0.3),
-            (0.35, 0.5, 1.0),
-            (1.0, 1.0, 1.0),
-            (1.0, 0.6, 0.25),
-        ),
-        strict=True,
-    )
-)
+IN_SPACE: dict[Rgb, Rgb] = dict(zip(_native.CHANNEL_COLORS, _native.CHANNEL_COLORS_IN_SPACE, strict=True))
 
 
 def operator_name(looks: Sequence[Look]) -> Composite:

@@ -18,6 +18,7 @@ __all__ = [
     "KINDS_OF_MODALITIES",
     "LUMINANCE",
     "MAP_NODES",
+    "N_SAMPLES_MOST",
     "PRESET_GROUPS",
     "QUANTITIES",
     "RISES",
@@ -125,6 +126,7 @@ __all__ = [
     "smallest_budget",
     "splat_ablated",
     "splat_literal",
+    "step_for",
     "stored_offset",
     "straight_bytes",
     "table_fields",
@@ -150,6 +152,8 @@ SHOWS_THROUGH: float
 FARTHEST: float
 #: Share of the picture's height, or width, that the object fills.
 FILLED: float
+#: Samples at most that are looked at for histograms and cameras, for the kind of data, and for the unit of the values.
+N_SAMPLES_MOST: tuple[int, int, int]
 #: Angle of view, degrees, of views in perspective that were orthographic.
 VIEW_ANGLE: float
 #: Deviations of the noise of a background above its median that are far, of a few bright samples.
@@ -656,6 +660,8 @@ class Stack:
     @property
     def is_thin(self) -> bool: ...
     @property
+    def is_placed_by_default(self) -> bool: ...
+    @property
     def axis_of_few_slices(self) -> int | None: ...
     @property
     def axis_of_distant_slices(self) -> int | None: ...
@@ -696,6 +702,9 @@ class CameraPath:
     def at(self, time: float) -> _CameraFields: ...
 
 def cameras_evenly(keys: Sequence[_CameraFields], n: int, is_closed: bool) -> list[_CameraFields]: ...
+def step_for(n_samples: int, most: int) -> int:
+    """The step from one sample to the next along each axis that leaves about `most` of them."""
+
 def robust_range(values: NDArray[np.float64]) -> tuple[float, float]: ...
 def otsu(values: NDArray[np.float64], low: float, high: float) -> float: ...
 def otsu_of_scan(values: NDArray[np.float64], low: float, high: float) -> tuple[float, float, float]: ...
@@ -732,8 +741,9 @@ def kind_of_data(
     finest: _Around | None,
     spread: Callable[[], NDArray[np.float64]],
     is_whole: Callable[[], bool],
-) -> tuple[str, str, bool, bool, NDArray[np.float64], NDArray[np.float64], float | None]:
-    """Kind, reason, whether samples have noise and few are bright, values, their gradients, and that of no data.
+) -> tuple[str, str, bool, bool, bool, bool, NDArray[np.float64], NDArray[np.float64], float | None]:
+    """Kind; reason; whether samples have noise, few are bright, they were calculated, and they show a patient where
+    they are placed as by default; values; their gradients; and the value of samples without data.
 
     finest : samples side by side, where those looked at are of a coarser level. spread : some millions of samples at
     most, [z, y, x]. is_whole : whether floating-point numbers in memory are all whole.

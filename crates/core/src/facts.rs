@@ -3,6 +3,8 @@
 /// Facts that a file states about a volume; each may be left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
+    /// Name of the volume or of its file, of whose words some name what it holds, such as "labels".
+    pub name: String,
     /// Unit of the world's axes: "mm", "um", or the name of another.
     pub unit: Option<String>,
     /// Whether the world's axes are a patient's: x to the right, y to the front, z up (RAS).

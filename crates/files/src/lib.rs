@@ -26,18 +26,17 @@ use glam::DAffine3;
 use wavesplat_core::{Facts, Result as CoreResult, Samples, Volume};
 
 pub use error::FileError;
+pub use nrrd::NO_PLACE;
 pub use stored::OwnedSamples;
 
 /// A volume that was read from a file.
 #[derive(Clone, Debug)]
 pub struct FileVolume {
-    /// The file's name, without its folders.
-    pub name: String,
     /// Samples along x, y and z.
     pub size: [usize; 3],
     /// World from index.
     pub world_from_index: DAffine3,
-    /// The facts of the header.
+    /// The facts of the header, and the file's name without its folders.
     pub facts: Facts,
     /// The samples in their own type, x fastest.
     pub owned: OwnedSamples,
@@ -51,7 +50,7 @@ impl FileVolume {
 
     /// The volume as the renderer takes it. An error where it cannot be drawn: of two axes, or an affine that is singular.
     pub fn volume(&self) -> CoreResult<Volume<'_>> {
-        Volume::new(&self.name, self.samples(), self.size, self.world_from_index)
+        Volume::new(&self.facts.name, self.samples(), self.size, self.world_from_index)
     }
 }
 
@@ -77,7 +76,7 @@ pub fn read(
     let file = name.rsplit(['/', '\\']).next().unwrap_or(name).to_owned();
     match made {
         Ok((owned, size, world_from_index, facts)) => {
-            Ok(FileVolume { name: file, size, world_from_index, facts, owned })
+            Ok(FileVolume { size, world_from_index, facts: Facts { name: file, ..facts }, owned })
         }
         Err(reason) => Err(FileError { reason, name: name.to_owned() }),
     }

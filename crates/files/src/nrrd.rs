@@ -16,7 +16,8 @@ use crate::stored::{FileContent, StoredType, inflated, needed_bytes, samples, tr
 const MAX_HEADER_BYTES: usize = 1 << 24;
 
 /// A convention of a file that names a patient's axes, and nothing else of a place.
-const NO_PLACE: &str = "axes of a patient: they are named, but samples are 1 apart, from the origin on, as by default";
+pub const NO_PLACE: &str =
+    "axes of a patient: they are named, but samples are 1 apart, from the origin on, as by default";
 
 /// Lines of a header, their names in lower case.
 struct NrrdHeader {

@@ -33,6 +33,23 @@ impl FoundKind {
     pub fn is_guess(&self) -> bool {
         self.reason.ends_with("by the values")
     }
+
+    /// Whether the samples were calculated: fields without noise, and values of both signs, which no image has.
+    pub fn is_calculated(&self) -> bool {
+        self.kind == DataKind::SignedField || (self.kind == DataKind::Field && !self.has_noise)
+    }
+
+    /// Whether a volume whose header names a patient's axes shows a patient, where it is placed as by default.
+    ///
+    /// Headers name these axes for calculated data too, and for things whose place nobody measured. `has_no_place`: the
+    /// header names them by its format's default alone.
+    pub fn shows_patient(&self, has_no_place: bool) -> bool {
+        match self.kind {
+            DataKind::Field | DataKind::SignedField => !has_no_place && self.has_noise,
+            DataKind::Scan => !has_no_place,
+            _ => true,
+        }
+    }
 }
 
 /// PET: least distance of samples, millimetres, and least ratio of the 99.9th to the 90th percentile. (A PET of a body:

@@ -46,7 +46,10 @@ pub mod voxels;
 pub mod windows;
 mod words;
 
-pub use evidence::{Evidence, Neighbourhood, SeenSamples, SidePair, Source};
+pub use evidence::{
+    Evidence, HISTOGRAM_SAMPLES, KIND_SAMPLES, MIN_FINITE, Neighbourhood, SeenSamples, SidePair, Source, UNIT_SAMPLES,
+    step_for,
+};
 pub use facts::{DataKind, KindFacts, MODALITIES, NumberType};
 pub use histogram::{N_BINS, ROBUST, Scan, otsu, otsu_of_scan, robust_range, without_padding};
 pub use hounsfield::{looks_like_hounsfield, stored_offset};

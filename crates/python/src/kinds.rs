@@ -4,11 +4,17 @@
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use wavesplat::look::{
-    self, CurveNodes, DataKind, Evidence, KindFacts, Neighbourhood, NumberType, SeenSamples, SidePair, Source,
+    self, CurveNodes, DataKind, Evidence, FoundKind, KindFacts, Neighbourhood, NumberType, SeenSamples, SidePair,
+    Source,
 };
 
 type Values<'py> = PyReadonlyArray1<'py, f64>;
 type Array<'py> = Bound<'py, PyArray1<f64>>;
+
+#[pyfunction]
+pub fn step_for(n_samples: usize, most: usize) -> usize {
+    look::step_for(n_samples, most)
+}
 
 #[pyfunction]
 pub fn robust_range(py: Python<'_>, values: Values<'_>) -> PyResult<(f64, f64)> {
@@ -133,8 +139,9 @@ impl Source for More {
     }
 }
 
-/// Kind, reason, whether samples have noise and few of them are bright, values, gradients at these, and that of no data.
-type FoundInSamples<'py> = (&'static str, String, bool, bool, Array<'py>, Array<'py>, Option<f64>);
+/// Kind, reason, whether samples have noise, few of them are bright, they were calculated, and they show a patient where
+/// they are placed as by default; values, gradients at these, and the value of samples without data.
+type FoundInSamples<'py> = (&'static str, String, bool, bool, bool, bool, Array<'py>, Array<'py>, Option<f64>);
 
 #[pyfunction]
 pub fn kind_of_data<'py>(
@@ -148,6 +155,7 @@ pub fn kind_of_data<'py>(
     let looked_at = around(&looked_at)?;
     let finest = finest.as_ref().map(around).transpose()?;
     let more = More { spread, is_whole };
+    let has_no_place = facts.has_no_place;
     let (found, seen) = py.detach(|| {
         let facts = facts.facts();
         let seen = SeenSamples::in_samples(&looked_at, &facts);
@@ -155,8 +163,10 @@ pub fn kind_of_data<'py>(
         look::kind(&evidence, &more).map(|found| (found, evidence.seen))
     })?;
     let fill = seen.fill();
+    let (is_calculated, shows_patient) = (found.is_calculated(), found.shows_patient(has_no_place));
     let (values, gradients) = (seen.values.into_pyarray(py), seen.gradients.into_pyarray(py));
-    Ok((found.kind.name(), found.reason, found.has_noise, found.has_few_bright, values, gradients, fill))
+    let FoundKind { kind, reason, has_noise, has_few_bright } = found;
+    Ok((kind.name(), reason, has_noise, has_few_bright, is_calculated, shows_patient, values, gradients, fill))
 }
 
 /// Nodes of opacity and of colour.

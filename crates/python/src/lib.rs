@@ -54,7 +54,7 @@ mod _native {
     #[pymodule_export]
     use crate::kinds::{
         ct_nodes, grey_nodes, kind_of_data, looks_like_hounsfield, otsu, otsu_of_scan, robust_range, scan_nodes,
-        stored_offset, tissue_nodes, ultrasound_nodes, without_padding,
+        step_for, stored_offset, tissue_nodes, ultrasound_nodes, without_padding,
     };
     #[pymodule_export]
     use crate::labels::PyLabels;
@@ -109,6 +109,11 @@ mod _native {
         module.add("FAR_ABOVE_NOISE", wavesplat::look::FAR)?;
         module.add("FARTHEST", wavesplat::view::FARTHEST)?;
         module.add("FILLED", wavesplat::view::FILLED)?;
+        let most = {
+            use wavesplat::look::{HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES};
+            (HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES)
+        };
+        module.add("N_SAMPLES_MOST", most)?;
         module.add("VIEW_ANGLE", wavesplat::view::VIEW_ANGLE_DEG)?;
         module.add("CHANNEL_COLORS", wavesplat::look::channel_colors::CHANNEL_COLORS.map(<(f64, f64, f64)>::from))?;
         let in_space = wavesplat::look::channel_colors::CHANNEL_COLORS_IN_SPACE.map(<(f64, f64, f64)>::from);

@@ -253,6 +253,11 @@ impl PyStack {
     }
 
     #[getter]
+    fn is_placed_by_default(&self) -> bool {
+        self.0.is_placed_by_default()
+    }
+
+    #[getter]
     fn axis_of_few_slices(&self) -> Option<usize> {
         self.0.axis_of_few_slices()
     }

@@ -1,6 +1,6 @@
 //! The view that suits a volume, by its number of samples, their distances and its box.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_core::Grid;
 
 use crate::fit::grid_corners;
@@ -49,6 +49,18 @@ impl Stack {
     /// Whether the volume is a thin stack.
     pub fn is_thin(&self) -> bool {
         self.sides.min_element() < THIN * second(self.sides)
+    }
+
+    /// Whether the index axes lie along the world's, and the world's origin is at the first sample or in the middle.
+    pub fn is_placed_by_default(&self) -> bool {
+        let DAffine3 { matrix3, translation } = self.world_from_index;
+        let steps = DVec3::new(matrix3.x_axis.x, matrix3.y_axis.y, matrix3.z_axis.z);
+        let origin = -translation / steps; // in samples
+        let middle = (DVec3::from(self.size.map(|n| n as f64)) - 1.0) / 2.0;
+        // Formats differ in where the middle of an even number of samples is.
+        let near = 1e-6;
+        matrix3 == DMat3::from_diagonal(steps)
+            && (origin.abs().max_element() < near || (origin - middle).abs().max_element() <= 1.0 + near)
     }
 
     /// The world's axis (0 is x) along which the volume has a few slices; `None` where it has more, or is small.

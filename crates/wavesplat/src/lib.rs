@@ -64,6 +64,7 @@
 //!
 //! - [`Look::preset`]: looks by name, ours and 3D Slicer's; [`look`]: colour maps, windows of CT, colours of channels.
 //! - [`document::CameraDocument`]: cameras that Python or the viewer saved as JSON.
+//! - [`files::read`]: volumes in NIfTI and NRRD files, with the [`Facts`] of their headers; [`kind_of`]: what they hold.
 //! - [`PlacedCamera`]: `Camera::orbit(&volume, ..)`, and `Camera::fit(&scene, ..)` around what looks show.
 //! - [`view::InView`]: cameras on an orbit, or of a named view, that show all of a volume; [`view::Pose`]: their turns.
 //! - [`Composite`]: *over*, first hit of an isosurface, and projections (MIP and others).
@@ -75,7 +76,7 @@
 //! - [`SampleReader`]: volumes larger than memory, read while they are drawn ([`Scene::stream`]).
 //!
 //! The examples of this crate (`cargo run -p wavesplat --example head`) draw a head, a projection, labels, a coarse
-//! level, and a raw file that is larger than the memory it may take.
+//! level, and a raw file that is larger than the memory it may take; `first` draws a NIfTI or NRRD file by a preset.
 //!
 //! # What it does not do
 //!
@@ -90,6 +91,7 @@ mod bytes;
 mod device;
 mod error;
 mod frame;
+mod kind;
 mod lazy_volume;
 mod level_look;
 mod level_volume;
@@ -107,6 +109,7 @@ pub use bytes::{rgb_bytes, straight_bytes};
 pub use device::{Device, DrawnBy};
 pub use error::LevelError;
 pub use frame::{Frame, FrameOptions, StageTimes};
+pub use kind::kind_of;
 pub use lazy_volume::LazyVolume;
 pub use level_look::{LevelBrightness, LevelPart};
 pub use level_volume::LevelVolume;
@@ -134,10 +137,10 @@ pub fn use_simd(name: &str) -> std::result::Result<(), String> {
 pub use glam;
 pub use wavesplat_compute::parallel::after_fork;
 pub use wavesplat_core::{
-    Camera, Card, ClipPlane, ColorNode, Composite, Crop, DepthColors, Error, ErrorKind, Gradient, GradientNode, Grid,
-    Kernel, LabelLook, LevelGrid, Light, LightFrame, Mesh, OpacityNode, Paint, Paths, Picture, Points, Projection,
-    Result, Samples, Shading, ShapeStyle, Shapes, Sizes, Statistics, Thickness, TransferFunction, TransferFunction2D,
-    Volume, normals_of_faces,
+    Camera, Card, ClipPlane, ColorNode, Composite, Crop, DepthColors, Error, ErrorKind, Facts, Gradient, GradientNode,
+    Grid, Kernel, LabelLook, LevelGrid, Light, LightFrame, Mesh, OpacityNode, Paint, Paths, Picture, Points,
+    Projection, Result, Samples, Shading, ShapeStyle, Shapes, Sizes, Statistics, Thickness, TransferFunction,
+    TransferFunction2D, Volume, normals_of_faces,
 };
 pub use wavesplat_document as document;
 pub use wavesplat_files as files;

@@ -3,9 +3,11 @@
 use std::convert::Infallible;
 
 use glam::DVec3;
-use wavesplat_core::{Camera, Result, Volume};
+use wavesplat_core::{Camera, Facts, Result, Volume};
+use wavesplat_look::{DataKind, FoundKind, HISTOGRAM_SAMPLES, step_for};
 use wavesplat_view::{FILLED, Fit, InView, SomeSamples, Stack, grid_corners};
 
+use crate::kind::{is_of_patient, is_upright, kind_of};
 use crate::scene::{Scene, SceneLayer, SceneVolume};
 
 /// Largest number of samples that are looked at to find what a look shows.
@@ -15,7 +17,7 @@ const N_SAMPLES_MAX: usize = 500_000;
 ///
 /// ```
 /// use wavesplat::glam::DAffine3;
-/// use wavesplat::{Camera, ColorNode, OpacityNode, PlacedCamera, Samples, Scene, TransferFunction, Volume};
+/// use wavesplat::{Camera, ColorNode, Facts, OpacityNode, PlacedCamera, Samples, Scene, TransferFunction, Volume};
 ///
 /// # fn main() -> wavesplat::Result<()> {
 /// let samples: Vec<u8> = (0..20 * 20 * 20).map(|k| if k % 20 < 5 { 200 } else { 0 }).collect();
@@ -25,7 +27,7 @@ const N_SAMPLES_MAX: usize = 500_000;
 ///
 /// let opacity = [(0.0, 0.0), (200.0, 0.5)].map(|(value, opacity)| OpacityNode { value, opacity });
 /// let look = TransferFunction::new(opacity.to_vec(), vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], None)?;
-/// let around_the_slab = Camera::fit(&Scene::new(volume, look), 4.0 / 3.0)?;
+/// let around_the_slab = Camera::fit(&Scene::new(volume, look), &Facts::default(), 4.0 / 3.0)?;
 /// # assert!(around_the_slab.projection() != from_the_left.projection());
 /// # Ok(())
 /// # }
@@ -40,12 +42,15 @@ pub trait PlacedCamera: Sized {
     fn orbit(volume: &Volume<'_>, azimuth_deg: f64, elevation_deg: f64, aspect: f64) -> Result<Self>;
 
     /// The camera of the view that suits a scene's first volume, as near as all that looks show fits into a picture of
-    /// that ratio of width to height. Volumes that are not in memory are in view as a whole.
+    /// that ratio of width to height: the camera of pictures without one in Python and on the command line.
+    ///
+    /// `facts`: of the first volume; a patient is seen from the front. Volumes that are not in memory are in view as a
+    /// whole.
     ///
     /// # Errors
     ///
     /// If the ratio is out of range.
-    fn fit(scene: &Scene<'_>, aspect: f64) -> Result<Self>;
+    fn fit(scene: &Scene<'_>, facts: &Facts, aspect: f64) -> Result<Self>;
 }
 
 impl PlacedCamera for Camera {
@@ -54,10 +59,19 @@ impl PlacedCamera for Camera {
         InView::around(&corners).aspect(aspect).orbit(azimuth_deg, elevation_deg, Fit::View)?.camera()
     }
 
-    fn fit(scene: &Scene<'_>, aspect: f64) -> Result<Self> {
-        let stack = Stack::of(scene.layers[0].volume.grid());
-        let no = || Ok::<_, Infallible>(false);
-        let (azimuth, elevation) = match stack.natural_view(false, no, no) {
+    fn fit(scene: &Scene<'_>, facts: &Facts, aspect: f64) -> Result<Self> {
+        let first = &scene.layers[0].volume;
+        let found = || match first {
+            SceneVolume::Samples(volume, _) => kind_of(volume, facts),
+            // A kind that is neither calculated nor in doubt to be a patient's.
+            _ => FoundKind { kind: DataKind::Ct, reason: String::new(), has_noise: true, has_few_bright: false },
+        };
+        let angles = Stack::of(first.grid()).natural_view(
+            facts.is_anatomical,
+            || Ok::<_, Infallible>(is_upright(facts, found)),
+            || Ok(is_of_patient(first.grid(), facts, found)),
+        );
+        let (azimuth, elevation) = match angles {
             Ok(angles) => angles,
             Err(never) => match never {},
         };
@@ -77,10 +91,13 @@ fn shown_of(layer: &SceneLayer<'_>) -> Vec<DVec3> {
     let grid = layer.volume.grid();
     let SceneVolume::Samples(volume, _) = &layer.volume else { return grid_corners(grid).to_vec() };
     let size = grid.size();
-    let n_samples = |step: usize| size.map(|n| n.div_ceil(step)).iter().product::<usize>();
-    let step = (1..=size[0].max(size[1]).max(size[2])).find(|&step| n_samples(step) <= N_SAMPLES_MAX).unwrap_or(1);
-    // From both ends to the middle, so that volumes that are stored the other way round have the same places.
-    let [xs, ys, zs] = size.map(|n| (0..n).filter(|&k| k.min(n - 1 - k) % step == 0).collect::<Vec<_>>());
+    // Every n-th sample, and of these every m-th from both ends to the middle, so that volumes that are stored the other
+    // way round have the same places. Two steps, as other questions about a volume share the samples of the first.
+    let fine = step_for(size.iter().product(), HISTOGRAM_SAMPLES);
+    let thinned = size.map(|n| n.div_ceil(fine));
+    let coarse = step_for(thinned.iter().product(), N_SAMPLES_MAX);
+    let kept = |n: usize| (0..n).filter(|&k| k.min(n - 1 - k) % coarse == 0).map(|k| k * fine).collect::<Vec<_>>();
+    let [xs, ys, zs] = thinned.map(kept);
     let (mut index, mut values) = (Vec::new(), Vec::new());
     for &z in &zs {
         for (&y, &x) in ys.iter().flat_map(|y| xs.iter().map(move |x| (y, x))) {
@@ -92,9 +109,10 @@ fn shown_of(layer: &SceneLayer<'_>) -> Vec<DVec3> {
         }
     }
     let within = [DVec3::ZERO, grid.last_index()];
-    let some = SomeSamples { index: &index, values: &values, step: step as f64, within };
+    let some = SomeSamples { index: &index, values: &values, step: (fine * coarse) as f64, within };
+    let is_whole = grid.statistics().n_nonfinite == 0;
     let has_one_dimension = layer.transfer_function.function_2d().is_none();
-    let shown = some.shown(has_one_dimension.then_some((&layer.transfer_function, false)), true);
+    let shown = some.shown(has_one_dimension.then_some((&layer.transfer_function, false)), is_whole);
     shown.into_iter().map(|at| grid.world_from_index().transform_point3(at)).collect()
 }
 
@@ -121,7 +139,7 @@ mod tests {
         };
         let whole = Camera::orbit(&volume, 0.0, 0.0, 1.0).unwrap();
         assert!((half(&whole) - 19.5).abs() < 1e-9);
-        let ball = Camera::fit(&Scene::new(volume, look), 1.0).unwrap();
+        let ball = Camera::fit(&Scene::new(volume, look), &Facts::default(), 1.0).unwrap();
         assert!((6.0..9.5).contains(&(half(&ball) * FILLED)), "{}", half(&ball));
         let ray = ball.ray(32.0, 32.0, 64, 64);
         let ahead = (ray.origin - middle).cross(ray.direction.normalize());

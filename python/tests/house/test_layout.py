@@ -126,6 +126,7 @@ ROOMS = {
         "volume_cache",
         "lazy_volume",
         "scene",
+        "kind",
         "placed",
         "slice",
         "device",

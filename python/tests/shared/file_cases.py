@@ -1,9 +1,9 @@
-"""Small NIfTI and NRRD files, and what Python's readers find in them, for the tests of the crate `files`.
+"""Small NIfTI and NRRD files, and what Python finds in them, for the tests of the crates `files` and `wavesplat`.
 
     python python/tests/shared/file_cases.py > crates/files/tests/cases.jsonl
 
-prints a line for each file: its bytes, and its size, type, affine and facts, and a checksum of its samples; or a word
-that the crate's error must hold, where it refuses the file.
+prints a line for each file: its bytes, and its size, type, affine and facts, a checksum of its samples, the kind of
+data, and the camera of its picture by a preset; or a word that the crate's error must hold, where it refuses the file.
 """
 
 from __future__ import annotations
@@ -63,6 +63,7 @@ def files() -> Iterator[tuple[str, bytes, str]]:
     """The files: name, bytes, and a word of the reason why the crate refuses it, or nothing."""
     yield from nifti_files()
     yield from nrrd_files()
+    yield from phantoms()
     yield "empty.nrrd", b"", "empty"
     yield "other.png", b"\x89PNG\r\n\x1a\n", "more formats"
 
@@ -140,11 +141,47 @@ def nrrd_files() -> Iterator[tuple[str, bytes, str]]:
     yield "missing.nhdr", nrrd(short, little, raw, ras, *PLACED, "data file: none.raw")[: -2 * 24], "none.raw"
 
 
+def phantoms() -> Iterator[tuple[str, bytes, str]]:
+    """Files of several kinds of data, of which a preset shows a part."""
+    x, y, z = np.meshgrid(*(np.arange(n, dtype=np.float32) for n in (26, 22, 18)), indexing="ij")
+    away = np.sqrt((x - 16) ** 2 + (y - 9) ** 2 + (2 * (z - 8)) ** 2)
+    body = np.select([away < 4, away < 9], [700, 40], -1000) + np.where((x + y + z) % 3 == 0, 7, 0)
+    wave = np.sin(0.3 * x) * np.cos(0.25 * y) * np.cos(0.2 * z)
+    oblique = "space directions: (0.7,0.1,0) (-0.1,0.8,0) (0,0,1.5)"
+    places = {
+        "patient": ("space: LPS", oblique),
+        "plain": ("spacings: 1 1 2",),
+        "um": ("spacings: 1 1 1", 'units: "um" "um" "um"'),
+    }
+    samples = {
+        "ct": ("short", body.astype("<i2")),
+        "mask": ("uchar", (away < 7).astype("|u1")),
+        "labels": ("uchar", np.digitize(away, [3, 6, 9, 12]).astype("|u1")),
+        "wave": ("float", np.round(8 * wave).astype("<f4") / 8),
+        "holes": ("float", np.where(away < 5, np.round(900 - 30 * away), np.nan).astype("<f4")),
+    }
+    for name, (kind, numbers) in samples.items():
+        content = gzip.compress(numbers.tobytes(order="F"), mtime=0)
+        for place, lines in places.items():
+            header = (
+                "NRRD0005",
+                "dimension: 3",
+                "sizes: 26 22 18",
+                f"type: {kind}",
+                "endian: little",
+                "encoding: gzip",
+            )
+            yield f"{name}_{place}.nrrd", "\n".join([*header, *lines]).encode() + b"\n\n" + content, ""
+
+
 def found(path: Path) -> dict[str, Any]:
-    """Size, type, affine and facts that Python's readers find in a file, and a checksum of the samples."""
+    """Size, type, affine and facts of a file, a checksum of its samples, their kind, and the camera of a preset."""
     import wavesplat as ws
+    from wavesplat._looks.kinds.kinds import found_in
+    from wavesplat._render.framing import framed, natural_view
 
     volume = ws.open(path)
+    camera = framed([(volume, ws.Look.preset("ct-bone"))], *natural_view(volume))
     samples = volume.samples
     return {
         "size": list(samples.shape[::-1]),
@@ -152,6 +189,8 @@ def found(path: Path) -> dict[str, Any]:
         "crc32": zlib.crc32(samples.astype(samples.dtype.newbyteorder("<")).tobytes()),
         "affine": volume.world_from_index[:3].tolist(),
         "facts": {name: value for name, value in volume.facts.as_json().items() if name in FACTS},
+        "kind": [found_in(volume).kind, found_in(volume).reason],
+        "camera": [*camera.position, *camera.focal_point, *camera.view_up, camera.parallel_scale],
     }
 
 

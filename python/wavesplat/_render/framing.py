@@ -22,7 +22,7 @@ from wavesplat._model.camera.camera import Camera
 from wavesplat._model.camera.views import triple
 from wavesplat._model.lazy.survey import HISTOGRAM_SAMPLES, step_for
 from wavesplat._model.volume.facts import Facts
-from wavesplat._model.volume.grid import NO_PLACE, UPRIGHT, Grid, is_placed_by_default, stack_of
+from wavesplat._model.volume.grid import UPRIGHT, Grid, is_placed_by_default, stack_of
 from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
@@ -57,8 +57,7 @@ def is_upright(volume: Volume | WaveletVolume) -> bool:
         return True
     if volume.is_anatomical or volume.modality is not None:
         return False
-    known = found_in(volume)
-    return known.kind == "signed field" or (known.kind == "field" and not known.has_noise)
+    return found_in(volume).is_calculated
 
 
 def is_of_patient(volume: Volume | WaveletVolume) -> bool:
@@ -68,10 +67,7 @@ def is_of_patient(volume: Volume | WaveletVolume) -> bool:
     """
     if not volume.is_anatomical or volume.modality is not None or not is_placed_by_default(volume):
         return volume.is_anatomical
-    known = found_in(volume)
-    if NO_PLACE in volume.facts.conventions:
-        return known.kind not in ("field", "signed field", "scan")
-    return known.kind not in ("field", "signed field") or known.has_noise
+    return found_in(volume).shows_patient
 
 
 def framed(

@@ -56,6 +56,10 @@ class Found:
     has_noise: bool
     #: Whether nearly all samples are the noise of a background, and a few are far above it, as beads are.
     has_few_bright: bool
+    #: Whether the samples were calculated.
+    is_calculated: bool
+    #: Whether they show a patient, where the axes are a patient's and placed as by default.
+    shows_patient: bool
 
     @property
     def is_guess(self) -> bool:

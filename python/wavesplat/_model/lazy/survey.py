@@ -37,12 +37,8 @@ from wavesplat.errors import ArgumentError, WavesplatError
 
 #: Samples at most for histograms, percentiles and cameras (enough for steady percentiles, and a fraction of a second on
 #: any volume); for the kind of data, each with its neighbours along the axes; for the unit, which every picture needs.
-HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES = 2_000_000, 150_000, 20_000
-
-
-def step_for(n_samples: int, most: int) -> int:
-    """The step from one sample to the next along each axis that leaves about `most` of them."""
-    return max(1, math.ceil(math.pow(n_samples / most, 1 / 3)))
+HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES = _native.N_SAMPLES_MOST
+step_for = _native.step_for
 
 
 # Samples that automatic looks and cameras are made from, gathered box by box from a volume that is not in memory.

@@ -105,13 +105,7 @@ UPRIGHT = "x and y grow to the right and up in pictures, as on maps"
 
 def is_placed_by_default(grid: Grid) -> bool:
     """Whether a grid has axes along the world's, and the world's origin at its first sample or its middle."""
-    matrix = grid.world_from_index
-    if not np.array_equal(matrix[:3, :3], np.diag(np.diag(matrix[:3, :3]))):
-        return False
-    origin = np.linalg.solve(matrix[:3, :3], -matrix[:3, 3])  # in samples
-    # Formats differ in where the middle of an even number of samples is.
-    middle = (np.array(grid.shape[::-1]) - 1) / 2
-    return bool(np.abs(origin).max() < 1e-6 or np.abs(origin - middle).max() <= 1 + 1e-6)
+    return stack_of(grid).is_placed_by_default
 
 
 def is_without_place(world_from_index: NDArray[np.float64]) -> bool:

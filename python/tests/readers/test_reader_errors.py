@@ -390,6 +390,23 @@ def test_no_more_memory_is_asked_for_than_a_header_can_have(tmp_path, options):
     assert peak < 10e6
 
 
+def test_an_extension_longer_than_its_file_takes_no_memory(tmp_path):
+    import nibabel
+
+    path = tmp_path / "a.nii"
+    image = nibabel.Nifti1Image(np.zeros((4, 4, 4), np.uint8), np.eye(4))
+    image.header.extensions.append(nibabel.nifti1.Nifti1Extension(6, b"comment"))
+    nibabel.save(image, path)
+    content = bytearray(path.read_bytes())
+    content[352:356] = (1 << 28).to_bytes(4, "little")
+    path.write_bytes(content)
+    tracemalloc.start()
+    with pytest.raises(FileError, match=f"an extension ends at byte {352 + (1 << 28)}, the file at {len(content)}"):
+        ws.open(path)
+    assert tracemalloc.get_traced_memory()[1] < 1 << 26
+    tracemalloc.stop()
+
+
 def test_extensions_that_look_wrong_say_nothing(tmp_path):
     import nibabel
 

@@ -123,7 +123,7 @@ def test_layers_and_lines_lie_over_both():
         ({"checkerboard": "b.nii.gz"}, "name of a file"),
         ({"difference": B, "window": "bone"}, "for Hounsfield units, not for differences"),
         ({"difference": B, "clim": (3, 1)}, "low must be less"),
-        ({"difference": scan(value_unit="SUV", name="s"), "what": scan(value_unit="Bq/ml")}, "in Bq/ml, those of 's'"),
+        ({"difference": scan(value_unit="SUV", name="s"), "what": scan(value_unit="Bq/ml")}, "in Bq/ml, values of 's'"),
         ({"difference": ws.Volume(SAMPLES, unit="um")}, "in um"),
     ],
 )

@@ -207,6 +207,27 @@ def _check_first_sample(path: Path) -> None:
                 f"a wrong header: it says that the samples begin at byte {first:g}, where it is itself; write the "
                 f"file's vox_offset, {least} or more: {path}"
             )
+        if any(header[least - 4 : least - 3]):
+            _check_extensions(path, least, first, order)
+
+
+def _check_extensions(path: Path, place: int, first_sample: float, order: str) -> None:
+    """Raise a `FileError` for an extension that is longer than its file: nibabel would ask for as much memory."""
+    if path.name.lower().endswith(COMPRESSED):
+        return  # Unpacked bytes are asked for as they come.
+    n_bytes = path.stat().st_size
+    with path.open("rb") as file:
+        while place + 8 <= min(first_sample, n_bytes):
+            file.seek(place)
+            size = int(np.frombuffer(file.read(4), f"{order}i4")[0])
+            if size < 8:
+                return  # nibabel says what is wrong
+            place += size
+        if place > n_bytes:
+            raise FileError(
+                f"truncated, or a wrong header: an extension ends at byte {place}, the file at {n_bytes}; copy or "
+                f"export it again: {path}"
+            )
 
 
 def _facts_of(image: SpatialImage) -> Facts:

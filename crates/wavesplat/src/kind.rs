@@ -20,7 +20,9 @@ use wavesplat_view::Stack;
 /// use wavesplat::{Facts, Samples, Volume, kind_of, look::DataKind};
 ///
 /// # fn main() -> wavesplat::Result<()> {
-/// let samples: Vec<i16> = (0..20 * 20 * 20).map(|k| if k % 20 < 10 { -1000 } else { 40 }).collect();
+/// // Air and soft tissue, with some noise.
+/// let noise = |k: i16| k * 37 % 61 - 30;
+/// let samples: Vec<i16> = (0..20 * 20 * 20).map(|k| noise(k % 800) + if k % 20 < 10 { -1000 } else { 40 }).collect();
 /// let volume = Volume::new("scan", Samples::I16(&samples), [20; 3], DAffine3::IDENTITY)?;
 /// let facts = Facts { modality: Some("CT".into()), is_anatomical: true, ..Facts::default() };
 /// assert_eq!(kind_of(&volume, &facts).kind, DataKind::Ct);

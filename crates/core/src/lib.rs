@@ -37,7 +37,7 @@ pub use options::{
     Shading, oversampling_of_level, quality_settings,
 };
 pub use picture::Picture;
-pub use samples::{Sample, Samples, Statistics};
+pub use samples::{Sample, SampleBuffer, Samples, Statistics};
 pub use shapes::{Card, Mesh, Paint, Paths, Points, ShapeStyle, Shapes, Sizes, Thickness};
 pub use transfer_function::{ColorNode, GradientNode, OpacityNode, TransferFunction};
 pub use transfer_function_2d::TransferFunction2D;

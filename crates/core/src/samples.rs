@@ -82,6 +82,54 @@ impl Samples<'_> {
     }
 }
 
+/// Samples in memory that the owner can change, `x` fastest.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs, reason = "each variant is named after its sample type")]
+pub enum SampleBuffer {
+    U8(Vec<u8>),
+    I8(Vec<i8>),
+    U16(Vec<u16>),
+    I16(Vec<i16>),
+    U32(Vec<u32>),
+    I32(Vec<i32>),
+    F32(Vec<f32>),
+    F64(Vec<f64>),
+}
+
+impl SampleBuffer {
+    /// The samples, borrowed.
+    pub fn samples(&self) -> Samples<'_> {
+        match self {
+            Self::U8(s) => Samples::U8(s),
+            Self::I8(s) => Samples::I8(s),
+            Self::U16(s) => Samples::U16(s),
+            Self::I16(s) => Samples::I16(s),
+            Self::U32(s) => Samples::U32(s),
+            Self::I32(s) => Samples::I32(s),
+            Self::F32(s) => Samples::F32(s),
+            Self::F64(s) => Samples::F64(s),
+        }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.samples().len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Bytes of a sample.
+    pub fn sample_bytes(&self) -> usize {
+        fn size_of_one<T>(_: &[T]) -> usize {
+            size_of::<T>()
+        }
+        with_samples!(self.samples(), s => size_of_one(s))
+    }
+}
+
 /// Range of the finite samples, and number of the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {

@@ -23,11 +23,10 @@ mod nrrd;
 mod stored;
 
 use glam::DAffine3;
-use wavesplat_core::{Facts, Result as CoreResult, Samples, Volume};
+use wavesplat_core::{Facts, Result as CoreResult, SampleBuffer, Samples, Volume};
 
 pub use error::FileError;
 pub use nrrd::NO_PLACE;
-pub use stored::OwnedSamples;
 
 /// A volume that was read from a file.
 #[derive(Clone, Debug)]
@@ -39,13 +38,13 @@ pub struct FileVolume {
     /// The facts of the header, and the file's name without its folders.
     pub facts: Facts,
     /// The samples in their own type, x fastest.
-    pub owned: OwnedSamples,
+    pub buffer: SampleBuffer,
 }
 
 impl FileVolume {
     /// The samples, x fastest.
     pub fn samples(&self) -> Samples<'_> {
-        self.owned.borrowed()
+        self.buffer.samples()
     }
 
     /// The volume as the renderer takes it. An error where it cannot be drawn: of two axes, or an affine that is singular.
@@ -75,8 +74,8 @@ pub fn read(
     };
     let file = name.rsplit(['/', '\\']).next().unwrap_or(name).to_owned();
     match made {
-        Ok((owned, size, world_from_index, facts)) => {
-            Ok(FileVolume { size, world_from_index, facts: Facts { name: file, ..facts }, owned })
+        Ok((buffer, size, world_from_index, facts)) => {
+            Ok(FileVolume { size, world_from_index, facts: Facts { name: file, ..facts }, buffer })
         }
         Err(reason) => Err(FileError { reason, name: name.to_owned() }),
     }

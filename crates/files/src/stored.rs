@@ -4,43 +4,13 @@ use std::io::Read;
 
 use flate2::bufread::MultiGzDecoder;
 use glam::DAffine3;
-use wavesplat_core::{Facts, Samples};
+use wavesplat_core::{Facts, SampleBuffer};
 
 /// Deflate cannot shrink data by more than this factor (RFC 1951: 258 bytes from two bits).
 const DEFLATE_RATIO: usize = 1032;
 
 /// Samples, size, world from index, and facts; or the reason why there are none.
-pub(crate) type FileContent = Result<(OwnedSamples, [usize; 3], DAffine3, Facts), String>;
-
-/// Samples of a type that the renderer takes, x fastest.
-#[derive(Clone, Debug, PartialEq)]
-#[allow(missing_docs, reason = "each variant is named after its sample type")]
-pub enum OwnedSamples {
-    U8(Vec<u8>),
-    I8(Vec<i8>),
-    U16(Vec<u16>),
-    I16(Vec<i16>),
-    U32(Vec<u32>),
-    I32(Vec<i32>),
-    F32(Vec<f32>),
-    F64(Vec<f64>),
-}
-
-impl OwnedSamples {
-    /// The samples, as the renderer takes them.
-    pub fn borrowed(&self) -> Samples<'_> {
-        match self {
-            Self::U8(s) => Samples::U8(s),
-            Self::I8(s) => Samples::I8(s),
-            Self::U16(s) => Samples::U16(s),
-            Self::I16(s) => Samples::I16(s),
-            Self::U32(s) => Samples::U32(s),
-            Self::I32(s) => Samples::I32(s),
-            Self::F32(s) => Samples::F32(s),
-            Self::F64(s) => Samples::F64(s),
-        }
-    }
-}
+pub(crate) type FileContent = Result<(SampleBuffer, [usize; 3], DAffine3, Facts), String>;
 
 /// A type of stored numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,40 +107,40 @@ macro_rules! numbers {
 }
 
 /// The samples in bytes, in the type that the renderer takes: integers of 64 bits in the narrowest one that holds all.
-pub(crate) fn samples(bytes: &[u8], stored_type: StoredType, is_big: bool) -> OwnedSamples {
+pub(crate) fn samples(bytes: &[u8], stored_type: StoredType, is_big: bool) -> SampleBuffer {
     match stored_type {
-        StoredType::U8 => OwnedSamples::U8(bytes.to_vec()),
-        StoredType::I8 => OwnedSamples::I8(numbers!(bytes, i8, is_big).collect()),
-        StoredType::U16 => OwnedSamples::U16(numbers!(bytes, u16, is_big).collect()),
-        StoredType::I16 => OwnedSamples::I16(numbers!(bytes, i16, is_big).collect()),
-        StoredType::U32 => OwnedSamples::U32(numbers!(bytes, u32, is_big).collect()),
-        StoredType::I32 => OwnedSamples::I32(numbers!(bytes, i32, is_big).collect()),
-        StoredType::F32 => OwnedSamples::F32(numbers!(bytes, f32, is_big).collect()),
-        StoredType::F64 => OwnedSamples::F64(numbers!(bytes, f64, is_big).collect()),
+        StoredType::U8 => SampleBuffer::U8(bytes.to_vec()),
+        StoredType::I8 => SampleBuffer::I8(numbers!(bytes, i8, is_big).collect()),
+        StoredType::U16 => SampleBuffer::U16(numbers!(bytes, u16, is_big).collect()),
+        StoredType::I16 => SampleBuffer::I16(numbers!(bytes, i16, is_big).collect()),
+        StoredType::U32 => SampleBuffer::U32(numbers!(bytes, u32, is_big).collect()),
+        StoredType::I32 => SampleBuffer::I32(numbers!(bytes, i32, is_big).collect()),
+        StoredType::F32 => SampleBuffer::F32(numbers!(bytes, f32, is_big).collect()),
+        StoredType::F64 => SampleBuffer::F64(numbers!(bytes, f64, is_big).collect()),
         StoredType::U64 => narrowest(numbers!(bytes, u64, is_big).map(i128::from)),
         StoredType::I64 => narrowest(numbers!(bytes, i64, is_big).map(i128::from)),
     }
 }
 
 /// The samples in the first type of the renderer that holds all of them exactly, else as 64-bit floats.
-fn narrowest(values: impl Iterator<Item = i128> + Clone) -> OwnedSamples {
+fn narrowest(values: impl Iterator<Item = i128> + Clone) -> SampleBuffer {
     let (lo, hi) = values.clone().fold((i128::MAX, i128::MIN), |(lo, hi), value| (lo.min(value), hi.max(value)));
     macro_rules! first_that_fits {
         ($($variant:ident: $t:ty),*) => {$(
             if i128::from(<$t>::MIN) <= lo && hi <= i128::from(<$t>::MAX) {
-                return OwnedSamples::$variant(values.map(|value| value as $t).collect());
+                return SampleBuffer::$variant(values.map(|value| value as $t).collect());
             }
         )*};
     }
     first_that_fits!(U8: u8, I8: i8, U16: u16, I16: i16, U32: u32, I32: i32);
-    OwnedSamples::F64(values.map(|value| value as f64).collect())
+    SampleBuffer::F64(values.map(|value| value as f64).collect())
 }
 
 /// Samples times a slope, plus an intercept; integers stay integers where nothing is lost.
 ///
 /// Whole numbers become 16- or else 32-bit integers where these hold them; others 32-bit floats, or 64-bit ones of wide
 /// types, and where values would be too large.
-pub(crate) fn scaled(bytes: &[u8], stored_type: StoredType, is_big: bool, slope: f64, intercept: f64) -> OwnedSamples {
+pub(crate) fn scaled(bytes: &[u8], stored_type: StoredType, is_big: bool, slope: f64, intercept: f64) -> SampleBuffer {
     if (slope, intercept) == (1.0, 0.0) {
         return samples(bytes, stored_type, is_big);
     }
@@ -201,7 +171,7 @@ pub(crate) fn scaled(bytes: &[u8], stored_type: StoredType, is_big: bool, slope:
 }
 
 /// Whole numbers scaled by whole numbers, as 16- or 32-bit integers; none where they do not fit.
-fn scaled_integers(values: impl Iterator<Item = i128> + Clone, slope: f64, intercept: f64) -> Option<OwnedSamples> {
+fn scaled_integers(values: impl Iterator<Item = i128> + Clone, slope: f64, intercept: f64) -> Option<SampleBuffer> {
     let is_whole = |number: f64| number.fract() == 0.0 && number.abs() < 9e18;
     if !is_whole(slope) || !is_whole(intercept) {
         return None;
@@ -212,9 +182,9 @@ fn scaled_integers(values: impl Iterator<Item = i128> + Clone, slope: f64, inter
     let fits = |least: i128, most: i128| ends.iter().all(|end| (least..=most).contains(end));
     let values = values.map(|value| value * slope + intercept);
     if fits(i16::MIN.into(), i16::MAX.into()) {
-        return Some(OwnedSamples::I16(values.map(|value| value as i16).collect()));
+        return Some(SampleBuffer::I16(values.map(|value| value as i16).collect()));
     }
-    fits(i32::MIN.into(), i32::MAX.into()).then(|| OwnedSamples::I32(values.map(|value| value as i32).collect()))
+    fits(i32::MIN.into(), i32::MAX.into()).then(|| SampleBuffer::I32(values.map(|value| value as i32).collect()))
 }
 
 fn floats(
@@ -222,7 +192,7 @@ fn floats(
     stored_type: StoredType,
     slope: f64,
     intercept: f64,
-) -> OwnedSamples {
+) -> SampleBuffer {
     let values = values.map(|value| value * slope + intercept);
     let is_wide = stored_type.bytes() > 4;
     let is_float = matches!(stored_type, StoredType::F32 | StoredType::F64);
@@ -231,7 +201,7 @@ fn floats(
     let largest =
         || values.clone().filter(|value| value.is_finite()).fold(0.0_f64, |most, value| most.max(value.abs()));
     if is_wide || (may_be_large && largest() > f64::from(f32::MAX)) {
-        return OwnedSamples::F64(values.collect());
+        return SampleBuffer::F64(values.collect());
     }
-    OwnedSamples::F32(values.map(|value| value as f32).collect())
+    SampleBuffer::F32(values.map(|value| value as f32).collect())
 }

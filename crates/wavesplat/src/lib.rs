@@ -116,7 +116,7 @@ pub use level_volume::LevelVolume;
 pub use placed::PlacedCamera;
 pub use png::{PngBits, encode_png, png_of_rgba};
 pub use quality::{Effort, Quality};
-pub use sample_reader::{SampleBuffer, SampleReader, StreamError};
+pub use sample_reader::{SampleReader, StreamError};
 pub use scene::{Scene, SceneColor, SceneLayer, SceneVolume};
 pub use stream::{Stream, StreamOptions};
 pub use volume_cache::VolumeCache;
@@ -139,8 +139,8 @@ pub use wavesplat_compute::parallel::after_fork;
 pub use wavesplat_core::{
     Camera, Card, ClipPlane, ColorNode, Composite, Crop, DepthColors, Error, ErrorKind, Facts, Gradient, GradientNode,
     Grid, Kernel, LabelLook, LevelGrid, Light, LightFrame, Mesh, OpacityNode, Paint, Paths, Picture, Points,
-    Projection, Result, Samples, Shading, ShapeStyle, Shapes, Sizes, Statistics, Thickness, TransferFunction,
-    TransferFunction2D, Volume, normals_of_faces,
+    Projection, Result, SampleBuffer, Samples, Shading, ShapeStyle, Shapes, Sizes, Statistics, Thickness,
+    TransferFunction, TransferFunction2D, Volume, normals_of_faces,
 };
 pub use wavesplat_document as document;
 pub use wavesplat_files as files;

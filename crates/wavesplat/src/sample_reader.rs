@@ -7,7 +7,7 @@ use std::io;
 use std::ops::Range;
 
 use glam::DAffine3;
-use wavesplat_core::{Error, Grid, Kernel, Samples, Statistics, with_samples};
+use wavesplat_core::{Error, Grid, Kernel, SampleBuffer, Samples, Statistics};
 use wavesplat_splat::render::stream::{IndexBox, Storage, volume_of};
 use wavesplat_splat::source::slices::{Slices, VolumeBox, needed_samples};
 use wavesplat_splat::source::strided::light_steps;
@@ -19,82 +19,34 @@ use crate::frame::Frame;
 use crate::lazy_volume::LazyVolume;
 use crate::stream::Stream;
 
-/// Samples in memory that the owner can change, `x` fastest.
-#[derive(Clone, Debug, PartialEq)]
-#[allow(missing_docs, reason = "each variant is named after its sample type")]
-pub enum SampleBuffer {
-    U8(Vec<u8>),
-    I8(Vec<i8>),
-    U16(Vec<u16>),
-    I16(Vec<i16>),
-    U32(Vec<u32>),
-    I32(Vec<i32>),
-    F32(Vec<f32>),
-    F64(Vec<f64>),
+/// `n` zeros of the type of samples.
+fn zeros_as(samples: &SampleBuffer, n: usize) -> SampleBuffer {
+    match samples {
+        SampleBuffer::U8(_) => SampleBuffer::U8(vec![0; n]),
+        SampleBuffer::I8(_) => SampleBuffer::I8(vec![0; n]),
+        SampleBuffer::U16(_) => SampleBuffer::U16(vec![0; n]),
+        SampleBuffer::I16(_) => SampleBuffer::I16(vec![0; n]),
+        SampleBuffer::U32(_) => SampleBuffer::U32(vec![0; n]),
+        SampleBuffer::I32(_) => SampleBuffer::I32(vec![0; n]),
+        SampleBuffer::F32(_) => SampleBuffer::F32(vec![0.0; n]),
+        SampleBuffer::F64(_) => SampleBuffer::F64(vec![0.0; n]),
+    }
 }
 
-impl SampleBuffer {
-    /// The samples, borrowed.
-    pub fn samples(&self) -> Samples<'_> {
-        match self {
-            Self::U8(s) => Samples::U8(s),
-            Self::I8(s) => Samples::I8(s),
-            Self::U16(s) => Samples::U16(s),
-            Self::I16(s) => Samples::I16(s),
-            Self::U32(s) => Samples::U32(s),
-            Self::I32(s) => Samples::I32(s),
-            Self::F32(s) => Samples::F32(s),
-            Self::F64(s) => Samples::F64(s),
-        }
+/// Copies the samples that two boxes share; `false` where the types differ.
+fn copy_shared(into: &mut SampleBuffer, own: &IndexBox, from: &SampleBuffer, other: &IndexBox) -> bool {
+    match (into, from) {
+        (SampleBuffer::U8(a), SampleBuffer::U8(b)) => copy_overlap(a, own, b, other),
+        (SampleBuffer::I8(a), SampleBuffer::I8(b)) => copy_overlap(a, own, b, other),
+        (SampleBuffer::U16(a), SampleBuffer::U16(b)) => copy_overlap(a, own, b, other),
+        (SampleBuffer::I16(a), SampleBuffer::I16(b)) => copy_overlap(a, own, b, other),
+        (SampleBuffer::U32(a), SampleBuffer::U32(b)) => copy_overlap(a, own, b, other),
+        (SampleBuffer::I32(a), SampleBuffer::I32(b)) => copy_overlap(a, own, b, other),
+        (SampleBuffer::F32(a), SampleBuffer::F32(b)) => copy_overlap(a, own, b, other),
+        (SampleBuffer::F64(a), SampleBuffer::F64(b)) => copy_overlap(a, own, b, other),
+        _ => return false,
     }
-
-    /// Number of samples.
-    pub fn len(&self) -> usize {
-        self.samples().len()
-    }
-
-    /// Whether there is no sample.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Bytes of a sample.
-    pub fn sample_bytes(&self) -> usize {
-        fn size_of_one<T>(_: &[T]) -> usize {
-            size_of::<T>()
-        }
-        with_samples!(self.samples(), s => size_of_one(s))
-    }
-
-    /// `n` zeros of the same type.
-    fn zeros(&self, n: usize) -> Self {
-        match self {
-            Self::U8(_) => Self::U8(vec![0; n]),
-            Self::I8(_) => Self::I8(vec![0; n]),
-            Self::U16(_) => Self::U16(vec![0; n]),
-            Self::I16(_) => Self::I16(vec![0; n]),
-            Self::U32(_) => Self::U32(vec![0; n]),
-            Self::I32(_) => Self::I32(vec![0; n]),
-            Self::F32(_) => Self::F32(vec![0.0; n]),
-            Self::F64(_) => Self::F64(vec![0.0; n]),
-        }
-    }
-
-    /// Copies the samples that two boxes share; `false` where the types differ.
-    fn copy_overlap(&mut self, own: &IndexBox, from: &Self, other: &IndexBox) -> bool {
-        match (self, from) {
-            (Self::U8(a), Self::U8(b)) => copy_overlap(a, own, b, other),
-            (Self::I8(a), Self::I8(b)) => copy_overlap(a, own, b, other),
-            (Self::U16(a), Self::U16(b)) => copy_overlap(a, own, b, other),
-            (Self::I16(a), Self::I16(b)) => copy_overlap(a, own, b, other),
-            (Self::U32(a), Self::U32(b)) => copy_overlap(a, own, b, other),
-            (Self::I32(a), Self::I32(b)) => copy_overlap(a, own, b, other),
-            (Self::F32(a), Self::F32(b)) => copy_overlap(a, own, b, other),
-            (Self::F64(a), Self::F64(b)) => copy_overlap(a, own, b, other),
-            _ => return false,
-        }
-        true
-    }
+    true
 }
 
 fn copy_overlap<T: Copy>(into: &mut [T], own: &IndexBox, from: &[T], other: &IndexBox) {
@@ -294,12 +246,12 @@ fn filled(
     }
     let sources = || before.into_iter().chain(&read);
     let mut samples = match sources().next() {
-        Some((_, one)) => one.zeros(volume_of(&part)),
+        Some((_, one)) => zeros_as(one, volume_of(&part)),
         // Nothing of the box is visible; the type alone counts.
-        None => read_box(reader, &[0..1, 0..1, 0..1])?.zeros(volume_of(&part)),
+        None => zeros_as(&read_box(reader, &[0..1, 0..1, 0..1])?, volume_of(&part)),
     };
     for (own, from) in sources() {
-        if !samples.copy_overlap(&part, from, own) {
+        if !copy_shared(&mut samples, &part, from, own) {
             let problem = io::Error::new(io::ErrorKind::InvalidData, "the reader gave samples of two types");
             return Err(problem.into());
         }

@@ -13,6 +13,7 @@ BROWSER ?= browser
 N ?= 100
 BALLS ?= 3
 WASM := wasm32-unknown-unknown
+WASI := wasm32-wasip1
 ARM := aarch64-unknown-linux-gnu
 OTHERS := x86_64-pc-windows-gnu aarch64-apple-darwin
 RUST_TESTS := cargo test --locked --profile checkout --workspace --no-default-features --no-fail-fast
@@ -35,6 +36,9 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 unexport CONDA_PREFIX PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE
 # One interpreter for every build, so that PyO3 is compiled once per profile.
 export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
+# WebAssembly has its vectors or has not when it is compiled; plain arrays take the compiler minutes, and frames five times as long.
+export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS := -C target-feature=+simd128
+export CARGO_TARGET_WASM32_WASIP1_RUSTFLAGS := -C target-feature=+simd128
 # Prints the seconds of each recipe.
 SHELL := $(CURDIR)/.ci/timed-shell
 .SHELLFLAGS = '$@' -c
@@ -46,7 +50,7 @@ SHELL := $(CURDIR)/.ci/timed-shell
 	looks-beside-pyvista looks-beside-vtk memcheck miri nightly page-package passed pictures python-lint python-test \
 	python-test-all quality random-functions random-scenes readme references release-check release-lint roofline rust-docs rust-lint \
 	rust-test rust-test-asserted sbom scene-hashes sdist site site-test spelling stubs study study-cuts study-lod \
-	study-wavelets test test-arm test-napari viewer-pictures web web-check wheel wheels
+	study-wavelets test test-arm test-napari viewer-pictures wasm-kernels web web-check wheel wheels
 
 help: ## list the recipes
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -64,12 +68,12 @@ check: ## all that CI asks for of a change; the rest is in `make nightly`
 	$(MAKE) --no-print-directory -j2 $(STAMPS)/rust-tests $(STAMPS)/dev-packages
 	@# Linters of Rust and of Python run beside each other, tests do not: they have limits of time, and use both cores themselves.
 	status=0; \
-	$(MAKE) --no-print-directory -j2 $(SYNC) --keep-going rust-lint python-lint stubs spelling gallery-check licences shaders kernels web-check || status=2; \
+	$(MAKE) --no-print-directory -j2 $(SYNC) --keep-going rust-lint python-lint stubs spelling gallery-check licences shaders kernels wasm-kernels web-check || status=2; \
 	$(MAKE) --no-print-directory -j1 --keep-going test readme browser-test || status=2; \
 	exit $$status
 
 nightly: ## all checks in full, an hour and more: every case, reference pictures drawn anew, ARM, memcheck, counted instructions, other systems
-	$(MAKE) --no-print-directory -j1 --keep-going rust-lint rust-test-asserted rust-docs cross-check python-lint stubs spelling gallery-check licences-anew shaders-anew kernels-anew \
+	$(MAKE) --no-print-directory -j1 --keep-going rust-lint rust-test-asserted rust-docs cross-check python-lint stubs spelling gallery-check licences-anew shaders-anew kernels-anew wasm-kernels \
 		python-test-all readme web-check browser-test-all site
 
 dev: $(STAMPS)/tools ## install what tests and linters need into the checkout's environment
@@ -325,6 +329,14 @@ rust-lint: $(STAMPS)/venv
 		echo "nothing is compiled for browsers: the standard library of $(WASM) is not there and cannot be fetched"
 	cargo clippy --locked --profile checkout $$(rustup target list --installed 2>/dev/null | grep -x $(WASM) | sed 's/^/--target /') \
 		-p wavesplat-splat -p wavesplat-wavelet -p wavesplat-lod -p wavesplat-files -p wavesplat-look -p wavesplat-view -p wavesplat-document -p wavesplat --no-default-features -- -D warnings
+
+# For the system of WebAssembly that has an output, which tests write their lines to.
+wasm-kernels: export CARGO_TARGET_WASM32_WASIP1_RUNNER := node $(CURDIR)/.ci/run_wasi.mjs
+wasm-kernels: ## test the vectors of WebAssembly in Node
+	@if ! command -v node >/dev/null; then echo "no node: the vectors of WebAssembly are not tested"; exit 0; fi; \
+	if ! rustup target list --installed 2>/dev/null | grep -qx $(WASI) && ! rustup target add $(WASI) >/dev/null 2>&1; then \
+		echo "the vectors of WebAssembly are not tested: the standard library of $(WASI) is not there and cannot be fetched"; exit 0; fi; \
+	cargo test --locked --profile checkout --target $(WASI) -p wavesplat-compute --no-default-features --lib
 
 rust-docs: $(STAMPS)/venv
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --quiet

@@ -122,8 +122,9 @@ pub use stream::{Stream, StreamOptions};
 pub use volume_cache::VolumeCache;
 pub use wavesplat_splat::view::part::Part;
 
-/// Chooses the SIMD level by name (`plain`, `sse2`, `avx2`, `avx512`, `neon`) for all pictures from now on; all levels
-/// give the same bits. By default the widest level of the machine is used.
+/// Chooses the SIMD level by name (`plain`, `sse2`, `avx2`, `avx512`, `neon`, `simd128`) for all pictures from now on; all
+/// levels give the same bits. By default the widest level of the machine is used. WebAssembly has vectors if it is compiled
+/// with `-C target-feature=+simd128`.
 ///
 /// # Errors
 ///

@@ -1,17 +1,18 @@
 //! SIMD: sixteen numbers at a time, by the widest vectors that this machine has.
 //!
 //! A kernel is written once, over the operations of [`Simd`], and compiled once per level: for AVX-512, AVX2 and SSE2
-//! on x86-64, for NEON on 64-bit ARM, and for plain arrays on other processors. Plain arrays are no level where there
-//! are vectors, since they would be half of the program; tests compare every operation of the others with theirs. Every
-//! level gives the same bits: lanes never mix, nothing is fused, no operation is an approximation of the processor's
-//! own, and the order of operations is the source's. The level is chosen once per picture and passed as a value.
+//! on x86-64, for NEON on 64-bit ARM, for `simd128` in WebAssembly that is compiled with it, and for plain arrays on
+//! other processors. Plain arrays are no level where there are vectors, since they would be half of the program; tests
+//! compare every operation of the others with theirs. Every level gives the same bits: lanes never mix, nothing is
+//! fused, no operation is an approximation of the processor's own, and the order of operations is the source's. The
+//! level is chosen once per picture and passed as a value.
 //! Two operations are where a renderer's time goes and have a form of their own on each level: [`Simd::gather`], the
 //! permutation that spreads samples over texels, and [`Math::look_up`], which reads one table entry per lane as two
 //! neighbouring runs of four numbers and transposes them.
 #![allow(unsafe_code, reason = "intrinsics, and functions that may only be called where the machine has them")]
 
 /// Moves of quads where a register holds one: whole registers change places.
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64", target_feature = "simd128"))]
 macro_rules! per_register {
     () => {
         #[inline(always)]
@@ -40,6 +41,8 @@ mod neon;
 mod pair;
 mod places;
 mod plain;
+#[cfg(target_feature = "simd128")]
+mod simd128;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -305,7 +308,7 @@ pub struct Level(Width);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Width {
-    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64", target_feature = "simd128")))]
     Plain,
     #[cfg(target_arch = "x86_64")]
     Sse2,
@@ -315,6 +318,8 @@ enum Width {
     Avx512,
     #[cfg(target_arch = "aarch64")]
     Neon,
+    #[cfg(target_feature = "simd128")]
+    Simd128,
 }
 
 /// The level that [`Level::best`] returns, once it is decided.
@@ -326,7 +331,9 @@ impl Level {
     const NARROWEST: Self = Self(Width::Sse2);
     #[cfg(target_arch = "aarch64")]
     const NARROWEST: Self = Self(Width::Neon);
-    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    #[cfg(target_feature = "simd128")]
+    const NARROWEST: Self = Self(Width::Simd128);
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64", target_feature = "simd128")))]
     const NARROWEST: Self = Self(Width::Plain);
 
     /// All levels that this machine has, the widest last.
@@ -369,7 +376,7 @@ impl Level {
     /// Name of the level, for reports.
     pub fn name(self) -> &'static str {
         match self.0 {
-            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64", target_feature = "simd128")))]
             Width::Plain => "plain",
             #[cfg(target_arch = "x86_64")]
             Width::Sse2 => "sse2",
@@ -379,6 +386,8 @@ impl Level {
             Width::Avx512 => "avx512",
             #[cfg(target_arch = "aarch64")]
             Width::Neon => "neon",
+            #[cfg(target_feature = "simd128")]
+            Width::Simd128 => "simd128",
         }
     }
 
@@ -386,7 +395,7 @@ impl Level {
     #[inline]
     pub fn dispatch<K: VectorKernel>(self, kernel: K) -> K::Output {
         match self.0 {
-            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64", target_feature = "simd128")))]
             Width::Plain => kernel.run(Plain),
             #[cfg(target_arch = "x86_64")]
             Width::Sse2 => kernel.run(x86::Sse2(())),
@@ -408,6 +417,8 @@ impl Level {
             },
             #[cfg(target_arch = "aarch64")]
             Width::Neon => kernel.run(neon::Neon(())),
+            #[cfg(target_feature = "simd128")]
+            Width::Simd128 => kernel.run(simd128::Simd128(())),
         }
     }
 
@@ -416,7 +427,7 @@ impl Level {
     #[inline]
     pub fn run<T>(self, kernel: impl FnOnce() -> T) -> T {
         match self.0 {
-            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+            #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64", target_feature = "simd128")))]
             Width::Plain => kernel(),
             #[cfg(target_arch = "x86_64")]
             Width::Sse2 => kernel(),
@@ -428,6 +439,8 @@ impl Level {
             Width::Avx512 => unsafe { avx512::run_avx512(kernel) },
             #[cfg(target_arch = "aarch64")]
             Width::Neon => kernel(),
+            #[cfg(target_feature = "simd128")]
+            Width::Simd128 => kernel(),
         }
     }
 }

@@ -8,7 +8,10 @@ pub struct Places {
     /// Index of each lane.
     pub(super) index: Lanes<u32>,
     /// Lowest index of the first and of the last eight lanes.
-    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "only registers of eight numbers need it"))]
+    #[cfg_attr(
+        not(any(target_arch = "x86_64", target_feature = "simd128")),
+        allow(dead_code, reason = "only permutations of a few registers need it")
+    )]
     pub(super) starts: [u32; 2],
     nearness: Nearness,
 }

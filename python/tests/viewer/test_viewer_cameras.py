@@ -9,6 +9,7 @@ import pytest
 import viewer_fakes
 
 import wavesplat as ws
+from wavesplat._movie.seen import what_is_seen
 from wavesplat._viewer.page_requests import questions
 from wavesplat._viewer.session.session import Session
 from wavesplat._viewer.session.state import ViewerState
@@ -73,6 +74,18 @@ def test_a_frame_is_framed_again_and_any_other_camera_keeps_its_picture_in_view(
     np.testing.assert_allclose(places, [[-0.5, 199.5], [299.5, 199.5]], atol=1e-6)
     # In a wider picture nothing has to change.
     assert ask(pelvis, "kept_in_view", (800, 300), camera=near.as_json(), aspect=4 / 3) == near
+
+
+@pytest.mark.parametrize("angle", [None, 30.0])
+def test_a_turned_camera_is_scaled_by_no_more_than_what_is_seen_needs(pelvis, angle):
+    turned = ws.Camera.view(pelvis.scene, "front", view_angle=angle).turned(azimuth=20).zoomed(0.8)
+    seen = what_is_seen(pelvis.scene, "over")[1]
+    assert ask(pelvis, "kept_in_view", (600, 400), camera=turned.as_json(), aspect=2) == turned
+    # A picture of a fifth of the width would cut it: its outermost points come to the sides.
+    kept = ask(pelvis, "kept_in_view", (160, 400), camera=turned.as_json(), aspect=2)
+    assert kept != turned
+    columns = kept.project(seen, size=(160, 400))[0][:, 0] + 0.5
+    assert max(160 - columns.min(), columns.max()) == pytest.approx(160, abs=1e-6)
 
 
 def depth_of(camera):

@@ -190,6 +190,8 @@ export interface Saved {
   readonly transparent: boolean;
   /** With measures and the overlays that are switched on. */
   readonly annotated: boolean;
+  /** Of the picture in space; absent: the state's. */
+  readonly camera?: Camera;
 }
 
 /** Questions and their answers; files come as bytes. */

@@ -10,6 +10,8 @@ import type { PixelSize } from "./viewport.tsx";
 /** Duration of a move, ms, and smallest change of width over height that counts as one. */
 const EASE_MS = 200;
 const SAME_ASPECT = 1e-3;
+/** Largest change of width over height at which a picture has the shape of a view, whose sides are whole pixels. */
+const LIKE_ASPECT = 1e-2;
 
 /** The camera and the shape of the 3-D view when the camera was last chosen. */
 interface Seen {
@@ -110,6 +112,16 @@ export class CameraMover {
     } catch (problem) {
       this.fail(problem as Problem);
     }
+  }
+
+  /**
+   * The camera of a picture with the shape that the 3-D view had when its camera was chosen: the view may have become narrower
+   * since, beside a sheet, and its camera with it.
+   */
+  cameraFor(aspect: number): Camera {
+    const { camera } = this.store.state;
+    const { seen } = this;
+    return seen?.kept === camera && Math.abs(seen.aspect / aspect - 1) < LIKE_ASPECT ? seen.camera : camera;
   }
 
   private async ask(question: () => Promise<{ camera: Camera }>): Promise<void> {

@@ -18,8 +18,8 @@ const TEXT = WORDS.legend;
 /** Most rows; fewer where the view is low, so that the letters in the middle of its edges stay free. */
 const MAX_ROWS = 12;
 const ROW_PX = 24;
-/** Height of the tools above the legend, of the row that counts the others, of the gaps, and of half a letter. */
-const ABOVE_PX = 112;
+/** Height of the gap above the legend, of the row that counts the others, of the gaps, and of half a letter. */
+const ABOVE_PX = 60;
 const ENDINGS = /\.(nii|nii\.gz|nrrd|nhdr|mha|mhd|tiff?|h5|hdf5|zarr|ome\.zarr|ome\.tiff?|vti|vtk|dcm)$/i;
 
 interface Row {

@@ -41,9 +41,11 @@ export function SharePanel(props: PartProps) {
   const [text, setText] = useState("");
 
   const shown = chosen === "seen" ? seenView(store.state.view) : chosen;
-  const wanted = (): Saved => ({
-    ...pixelsOf(props, shown, size, own), shown, transparent, annotated, ...(quality === "" ? {} : { quality }),
-  });
+  const wanted = (): Saved => {
+    const pixels = pixelsOf(props, shown, size, own);
+    const camera = ui.camera.cameraFor(pixels.width / pixels.height);
+    return { ...pixels, shown, transparent, annotated, camera, ...(quality === "" ? {} : { quality }) };
+  };
 
   const picture = async (use: (bytes: Uint8Array<ArrayBuffer>, name: string) => Promise<void> | void): Promise<void> => {
     const controller = new AbortController();
@@ -207,12 +209,13 @@ function pixelsOf(
   const scale = Number(frame?.settings["scale"] ?? 1);
   // Of several views, and of views that are not on the screen: the area of all views.
   const area = ui.root.querySelector(".views")?.getBoundingClientRect();
-  // Several views make room for this very sheet: a picture is as wide as without it.
-  const page = ui.root.querySelector(".wavesplat")?.getBoundingClientRect();
-  const widened = page !== undefined && area !== undefined && area.width > 0 ? page.width / area.width : 1;
+  // The views make room for this very sheet, where it stands beside them: a picture is as wide as without it.
+  const sheet = ui.root.querySelector(".sheet")?.getBoundingClientRect();
+  const beside = area !== undefined && sheet !== undefined && sheet.right <= area.left ? area.left - sheet.left : 0;
+  const widened = area !== undefined && area.width > 0 ? 1 + beside / area.width : 1;
   const ratio = window.devicePixelRatio || 1;
   const [width, height] = frame === undefined
-    ? [(page?.width ?? 1024) * ratio, (area?.height ?? 768) * ratio]
+    ? [widened * (area?.width ?? 1024) * ratio, (area?.height ?? 768) * ratio]
     : [(widened * frame.width) / scale, frame.height / scale];
   const factor = size === "2" ? 2 : 1;
   return { width: Math.min(Math.round(factor * width), MAX_SIDE), height: Math.min(Math.round(factor * height), MAX_SIDE) };

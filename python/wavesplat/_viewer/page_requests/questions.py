@@ -385,7 +385,10 @@ def _picture(state: ViewerState, arguments: Mapping[str, Any], progress: Progres
 
 
 def _wanted(state: ViewerState, arguments: Mapping[str, Any], question: str) -> tuple[ViewerState, Shown, bool]:
-    """The state with the quality and background of a picture, the view it shows, and whether with marks."""
+    """The state with the camera, quality and background of a picture, the view it shows, and whether with marks."""
+    if "camera" in arguments:
+        camera = _camera(arguments, question).as_json()
+        state = state.patched([{"op": "replace", "path": "/camera", "value": camera}])
     quality = arguments.get("quality")
     if quality is not None and quality != state.options["quality"]:
         if quality not in QUALITIES:

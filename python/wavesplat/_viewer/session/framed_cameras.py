@@ -7,6 +7,7 @@ and fills 92 % of the picture's height or width.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 from math import isclose
 from typing import Any, TypeAlias
 from weakref import WeakKeyDictionary
@@ -66,14 +67,34 @@ def framed(scene: Scene, composite: Any, camera: Camera, aspect: float) -> Camer
 def kept_in_view(scene: Scene, composite: Any, camera: Camera, before: float, after: float) -> Camera:
     """A camera for a picture of the aspect `after` that shows all that a camera shows at the aspect `before`.
 
-    A camera that frames what is seen frames it again. Any other one shows its whole picture, which at a narrower aspect
-    takes a larger scale or, in perspective, a larger distance.
+    A camera that frames what is seen frames it again. Any other one that shows all of it still does; one that shows a
+    part shows its whole picture. At a narrower aspect this may take a larger scale or, in perspective, a larger
+    distance.
     """
     if before == after:
         return camera
     if _are_same(camera, framed(scene, composite, camera, before)):
         return framed(scene, composite, camera, after)
-    return scaled(camera, max(1.0, before / after))
+    return scaled(camera, _least_factor(scene, composite, camera, before, after))
+
+
+def _least_factor(scene: Scene, composite: Any, camera: Camera, before: float, after: float) -> float:
+    """The least factor of `scaled`, from 1, by which a picture of the aspect `after` shows what is seen as before."""
+    around, points = _seen_of(scene, composite)
+    if points is None:
+        points = np.array(list(product(*around.bounds.T)))
+    # Shares of the width from the middle of the picture to its side.
+    shares = np.abs((camera.project(points, size=(2, 2))[0] + 0.5) - 1) / (before, 1)
+    if not (shares <= 1 + SAME).all():
+        return max(1.0, before / after)
+    wanted = shares[:, 0] * before / after
+    if camera.view_angle is None:
+        return max(1.0, float(wanted.max()))
+    way = np.subtract(camera.focal_point, camera.position)
+    distance = float(np.linalg.norm(way))
+    depths = (points - camera.position) @ (way / distance)
+    # A point at the depth d shrinks by d / (d + (factor - 1) distance) when the eye moves away.
+    return 1 + max(0.0, float((depths * (wanted - 1)).max()) / distance)
 
 
 def scaled(camera: Camera, factor: float) -> Camera:

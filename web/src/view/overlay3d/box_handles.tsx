@@ -10,6 +10,7 @@ import type { CssSize, PartProps } from "../part.ts";
 import {
   alongAxis, center, corners, EDGES, faceCenter, FACES, inPicture, isHidden, isSeen, movedBy, withFace, type Face,
 } from "./box.ts";
+import { handleName, type Place } from "./handle_places.ts";
 
 const TEXT = WORDS.cut;
 const NAMES = ["x", "y", "z"] as const;
@@ -25,24 +26,26 @@ interface ClippingBox extends PartProps {
 interface BoxHandlesProps extends ClippingBox {
   readonly camera: Camera;
   readonly size: CssSize;
+  /** The handles that are shown, by their names. */
+  readonly places: ReadonlyMap<string, Place>;
 }
 
 interface FaceHandleProps extends ClippingBox {
   readonly face: Face;
   /** Place of the handle in the view, CSS pixels. */
-  readonly at: { readonly x: number; readonly y: number };
+  readonly at: Place;
   /** Distance along the face's axis, in world units, by which a drag moves the face. */
   wayOf(before: Box, dx: number, dy: number): number;
 }
 
 export function BoxHandles(props: BoxHandlesProps) {
-  const { store, welcome, kind, box, camera, size } = props;
+  const { store, welcome, kind, place, box, camera, size, places } = props;
   const color = COLORS[kind];
   const isCrop = kind === "keep";
   const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
   const { now, change } = boxIn(props);
   const points = corners(box).map((corner) => project(camera, size, corner));
-  const middle = project(camera, size, center(box));
+  const middle = places.get(handleName(place, "middle"));
   return (
     <g>
       {EDGES.map((edge) => {
@@ -53,8 +56,8 @@ export function BoxHandles(props: BoxHandlesProps) {
         return <path key={`${edge.a}${edge.b}`} d={line} stroke={color} stroke-width="1.3" opacity={hidden ? 0.3 : 0.95} />;
       })}
       {FACES.map((face) => {
-        const at = project(camera, size, faceCenter(box, face));
-        if (at === null) return null;
+        const at = places.get(handleName(place, face));
+        if (at === undefined) return null;
         return (
           <g key={`${face.axis}${face.side}`} opacity={isSeen(box, face, camera) ? 1 : 0.5}>
             <FaceHandle
@@ -66,7 +69,7 @@ export function BoxHandles(props: BoxHandlesProps) {
           </g>
         );
       })}
-      {middle !== null && (
+      {middle !== undefined && (
         <Handle
           label={TEXT.box(isCrop)}
           text={TEXT.boxMiddle(isCrop)}

@@ -12,9 +12,6 @@ import { CUBE_PLACES, type CubePlace } from "./cube_places.ts";
 /** Half an edge, and the distance of the middle from the corner of the view, in pixels. */
 const HALF = 27;
 const MARGIN = 56;
-/** Width of a view, pixels, up to which the toolbar lies over its upper right corner, and the height of the toolbar. */
-const UNDER_TOOLBAR = 960;
-const TOOLBAR = 44;
 /** Direction to the light in the picture: from above, a little from the left, towards the eye. Share of ambient light. */
 const LIGHT: Vec3 = unit([-0.35, 0.6, 0.8]);
 const AMBIENT = 0.3;
@@ -29,9 +26,8 @@ export function Cube(props: PartProps & { readonly camera: Camera; readonly widt
   const { camera, width, welcome } = props;
   const { right, up, back } = axesOf(camera);
   const flat = (point: Vec3): string => `${(dot(point, right) * HALF).toFixed(2)} ${(-dot(point, up) * HALF).toFixed(2)}`;
-  const top = MARGIN + (width < UNDER_TOOLBAR ? TOOLBAR : 0);
   return (
-    <g class="cube" role="group" aria-label={WORDS.scene.cube} transform={`translate(${width - MARGIN} ${top})`}>
+    <g class="cube" role="group" aria-label={WORDS.scene.cube} transform={`translate(${width - MARGIN} ${MARGIN})`}>
       {CUBE_PLACES.map((place) => {
         const towards = dot(place.outward, back);
         if (towards < SEEN) return null;

@@ -1,6 +1,6 @@
 // Clip planes over the picture in space: a handle that moves the plane along its normal, and two that tilt it.
 
-import { add, axesOf, cross, dot, length, project, scaled, sub, turnedAbout, unit, unitsPerPixel } from "../../input/camera.ts";
+import { add, dot, length, project, scaled, sub, turnedAbout, unit } from "../../input/camera.ts";
 import { set } from "../../state/patch.ts";
 import type { Camera, Vec3 } from "../../state/state.ts";
 import { WORDS } from "../../words.ts";
@@ -8,12 +8,11 @@ import { shortNumber } from "../descriptions.ts";
 import { Handle, stepOf } from "../handle.tsx";
 import type { CssSize, PartProps } from "../part.ts";
 import { alongAxis } from "./box.ts";
+import { handleName, squareOf, type Place } from "./handle_places.ts";
 
 const TEXT = WORDS.cut;
 const COLOR = "#8be0d4";
-/** Pixels from the middle of the plane's square to its sides, and between two handles, at least; steps of keys: a share of the volume, and degrees. */
-const ARM_PX = 90;
-const APART_PX = 24;
+/** Steps of keys: a share of the volume, and degrees. */
 const STEP_SHARE = 0.01;
 const STEP_DEG = 2;
 
@@ -23,22 +22,24 @@ interface Plane {
 }
 
 export function PlaneHandles(
-  props: PartProps & { readonly place: number; readonly plane: Plane; readonly camera: Camera; readonly size: CssSize },
+  props: PartProps & {
+    readonly place: number;
+    readonly plane: Plane;
+    readonly camera: Camera;
+    readonly size: CssSize;
+    /** The handles that are shown, by their names. */
+    readonly places: ReadonlyMap<string, Place>;
+  },
 ) {
-  const { store, welcome, place, plane, camera, size } = props;
-  const normal = unit(plane.normal);
-  const at = project(camera, size, plane.point);
-  if (at === null) return null;
+  const { store, welcome, place, plane, camera, size, places } = props;
+  const drawn = squareOf(plane, camera, size);
+  if (drawn === null) return null;
+  const { at, normal, arm, first, second, ends } = drawn;
+  const middle = places.get(handleName(place, "middle"));
   const number = store.state.clip.slice(0, place + 1).filter((clip) => "plane" in clip).length;
   const extent = length(sub(welcome.bounds[1], welcome.bounds[0]));
-  const arm = ARM_PX * unitsPerPixel(camera, size.height, at.depth);
   const now = (): Plane => (store.state.clip[place] as { plane: Plane } | undefined)?.plane ?? plane;
   const change = (next: Plane, gesture: string): void => store.change([set({ plane: next }, "clip", place)], gesture);
-  const { right, up } = axesOf(camera);
-  // Two directions in the plane, the first as upright in the picture as it can be.
-  const first = unit(Math.abs(dot(up, normal)) < 0.99 ? sub(up, scaled(normal, dot(up, normal))) : sub(right, scaled(normal, dot(right, normal))));
-  const second = cross(normal, first);
-  const ends = [add(plane.point, scaled(first, arm)), add(plane.point, scaled(second, arm))] as const;
   const square = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([a, b]) =>
     project(camera, size, add(plane.point, add(scaled(first, (a ?? 0) * arm), scaled(second, (b ?? 0) * arm)))),
   );
@@ -58,9 +59,8 @@ export function PlaneHandles(
       )}
       {tip !== null && <path d={`M${at.x} ${at.y}L${tip.x} ${tip.y}`} stroke-width="2" />}
       {ends.map((end, k) => {
-        const shown = project(camera, size, end);
-        // A handle that points at the eye would lie on the one in the middle, by which the plane is pushed.
-        if (shown === null || Math.hypot(shown.x - at.x, shown.y - at.y) < APART_PX) return null;
+        const shown = places.get(handleName(place, k));
+        if (shown === undefined) return null;
         const axis = k === 0 ? second : first;
         return (
           <Handle
@@ -85,13 +85,13 @@ export function PlaneHandles(
           />
         );
       })}
-      <Handle
+      {middle !== undefined && <Handle
         label={TEXT.planeHandle(number)}
         text={TEXT.planeAlong(number, shortNumber(dot(plane.point, normal), 4))}
         value={dot(plane.point, normal)}
         range={[-extent, extent]}
-        x={at.x}
-        y={at.y}
+        x={middle.x}
+        y={middle.y}
         color={COLOR}
         onDrag={(_x, _y, dx, dy) => slide(alongAxis(camera, size, now().point, unit(now().normal), dx, dy), "plane")}
         onKey={(event) => {
@@ -99,7 +99,7 @@ export function PlaneHandles(
           if (n !== undefined) slide(n * STEP_SHARE * extent, "key plane");
         }}
         onEnd={() => store.settle()}
-      />
+      />}
     </g>
   );
 }

@@ -12,6 +12,7 @@ import { Measures3d } from "../slices/measures.tsx";
 import { boxOf, placeOfBox } from "./box.ts";
 import { BoxHandles } from "./box_handles.tsx";
 import { Cube } from "./cube.tsx";
+import { handlePlaces } from "./handle_places.ts";
 import { PlaneHandles } from "./plane_handles.tsx";
 
 const DIRECTIONS: readonly Vec3[] = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
@@ -25,25 +26,27 @@ export function SceneOverlay(props: PartProps & { readonly frame: Frame; readonl
   const { overlays } = store.state.view;
   const camera = frame.camera ?? store.state.camera;
   const clips = store.state.clip;
+  const places = handlePlaces(clips, camera, size);
   return (
     <>
       <svg class="over">
+        {/* First, so that handles lie over it. */}
+        {overlays.cube && size.width >= CUBE_FITS_PX && <Cube {...props} camera={camera} width={size.width} />}
         {overlays.crosshair && <Crosshair {...props} camera={camera} />}
         {overlays.crop_box &&
           (["keep", "cut_out"] as const).map((kind) => {
             const place = placeOfBox(clips, kind);
             const clip = clips[place];
             const box = clip === undefined ? null : boxOf(clip);
-            return box === null ? null : <BoxHandles key={kind} {...props} {...{ kind, place, box, camera, size }} />;
+            return box === null ? null : <BoxHandles key={kind} {...props} {...{ kind, place, box, camera, size, places }} />;
           })}
         {overlays.crop_box &&
           clips.map((clip, place) =>
-            "plane" in clip ? <PlaneHandles key={place} {...props} {...{ place, plane: clip.plane, camera, size }} /> : null,
+            "plane" in clip ? <PlaneHandles key={place} {...props} {...{ place, plane: clip.plane, camera, size, places }} /> : null,
           )}
         <Measures3d {...props} camera={camera} />
         {overlays.letters && <EdgeLetters {...props} camera={camera} />}
         {overlays.scale_bar && <ScaleBar {...props} camera={camera} />}
-        {overlays.cube && size.width >= CUBE_FITS_PX && <g class="at-cube"><Cube {...props} camera={camera} width={size.width} /></g>}
       </svg>
       {overlays.color_bar && <ColorBar {...props} />}
       {overlays.legend && <Legend {...props} height={size.height} />}
@@ -87,10 +90,10 @@ function EdgeLetters({ welcome, camera, size }: PartProps & { camera: Camera; si
   const names = edgeNames(camera, welcome.axis_ends);
   return (
     <g aria-hidden="true" text-anchor="middle">
-      <text class="at-left" x={16} y={size.height / 2}>{names.left}</text>
+      <text x={16} y={size.height / 2}>{names.left}</text>
       <text x={size.width - 16} y={size.height / 2}>{names.right}</text>
-      <text class="at-top" x={size.width / 2} y={18}>{names.top}</text>
-      <text class="at-bottom" x={size.width / 2} y={size.height - 8}>{names.bottom}</text>
+      <text x={size.width / 2} y={18}>{names.top}</text>
+      <text x={size.width / 2} y={size.height - 8}>{names.bottom}</text>
     </g>
   );
 }
@@ -102,7 +105,7 @@ function ScaleBar({ welcome, camera, size }: PartProps & { camera: Camera; size:
   const where = camera.parallel_scale === undefined ? WORDS.scene.barAtMiddle : "";
   const [x, y] = [12, size.height - 14];
   return (
-    <g aria-hidden="true" class="at-corner">
+    <g aria-hidden="true">
       <path d={`M${x} ${y}h${bar / perPixel}`} stroke="#000" stroke-width="5" />
       <path d={`M${x} ${y}h${bar / perPixel}`} stroke="#fff" stroke-width="2.5" />
       <text x={x} y={y - 6}>{`${shortNumber(bar)} ${unit}${where}`}</text>

@@ -24,7 +24,6 @@ __all__ = [
     "RISES",
     "SCALES",
     "SHOWS_THROUGH",
-    "SIGNIFICANT",
     "SLICER_PREFIX",
     "VIEWS",
     "VIEW_ANGLE",
@@ -73,6 +72,7 @@ __all__ = [
     "eye_of",
     "eyes_cut",
     "eyes_settled",
+    "field_nodes",
     "fit_view",
     "gpu_adapters",
     "gpu_check",
@@ -86,6 +86,7 @@ __all__ = [
     "is_point",
     "kind_of_data",
     "label_color",
+    "light_nodes",
     "light_step",
     "lightened",
     "lights_of",
@@ -98,7 +99,6 @@ __all__ = [
     "materials_fields",
     "normals_of_faces",
     "only_field",
-    "opacity_of_voxel",
     "opaque_after",
     "orbit_axes",
     "otsu",
@@ -115,7 +115,6 @@ __all__ = [
     "reported_unit",
     "rgb_bytes",
     "rise_nodes",
-    "rising",
     "robust_range",
     "samples_for",
     "scale_nodes",
@@ -163,7 +162,6 @@ KINDS_OF_MODALITIES: dict[str, str]
 #: Names of quantities of calculated maps; p-values, of which low ones matter, are the last.
 QUANTITIES: tuple[str, ...]
 #: The largest p that counts as significant.
-SIGNIFICANT: float
 #: Azimuth and elevation, degrees, of the named views.
 VIEWS: dict[str, tuple[float, float]]
 #: Level and width of windows of CT, Hounsfield units.
@@ -757,6 +755,19 @@ def tissue_nodes(values: NDArray[np.float64]) -> _Nodes: ...
 def ultrasound_nodes(values: NDArray[np.float64]) -> _Nodes: ...
 def scan_nodes(values: NDArray[np.float64], gradients: NDArray[np.float64], is_anatomical: bool) -> _Nodes: ...
 def grey_nodes(values: NDArray[np.float64], is_ct: bool, is_clear_below: bool) -> _Nodes: ...
+def light_nodes(kind: str, values: NDArray[np.float64], largest: float, n_voxels: float) -> _Nodes | None:
+    """Curves of doses, shares, calculated maps and p-values, and of masks; None of other kinds."""
+
+def field_nodes(
+    values: NDArray[np.float64],
+    has_two_signs: bool,
+    fill: float | None,
+    spread: NDArray[np.float64],
+    n_planes: int,
+    n_voxels: float,
+) -> _Nodes:
+    """Curves of a field. `spread`: samples [z, y, x] spread over the volume, which has `n_planes` along z."""
+
 def light_step(shape: tuple[int, int, int], world_from_index: NDArray[np.float64]) -> tuple[int, int, int]:
     """Steps (z, y, x) between the samples that light is worked out from."""
 
@@ -880,8 +891,6 @@ def distinct_colors(
     wanted: Sequence[tuple[float, float, float] | None], own: Sequence[tuple[float, float, float] | None]
 ) -> list[tuple[float, float, float]]: ...
 def opaque_after(n_samples: tuple[int, int, int], spacing: tuple[float, float, float]) -> float: ...
-def opacity_of_voxel(opacity: float, n_voxels: float) -> float: ...
-def rising(places: Sequence[float], n_voxels: float) -> list[float]: ...
 def lightened(color: tuple[float, float, float]) -> tuple[float, float, float]: ...
 def channel_ramp(
     color: tuple[float, float, float],

@@ -116,6 +116,15 @@ pub fn even_places() -> Vec<f64> {
     (0..N_NODES).map(|k| k as f64 / (N_NODES - 1) as f64).collect()
 }
 
+/// Colours of one of our maps from a place on, `n` at even places.
+pub(crate) fn shades(name: &str, start: f64, n: usize) -> Vec<Rgb> {
+    let colors = ColorMap::named(name).expect("one of our maps").colors();
+    let places = even_places();
+    let channels: [Vec<f64>; 3] = std::array::from_fn(|c| colors.iter().map(|rgb| rgb[c]).collect());
+    let color = |wanted: f64| std::array::from_fn(|c| interpolated(wanted, &places, &channels[c]));
+    linspace(start, 1.0, n).into_iter().map(color).collect()
+}
+
 /// The range of values that a map is spread over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapRange {

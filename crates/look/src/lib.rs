@@ -27,9 +27,11 @@ pub mod colormaps;
 pub mod colors;
 mod evidence;
 mod facts;
+mod fields;
 mod histogram;
 mod hounsfield;
 mod kinds;
+mod light_maps;
 mod look;
 mod map_tables;
 mod measured_maps;
@@ -51,6 +53,7 @@ pub use evidence::{
     step_for,
 };
 pub use facts::{DataKind, KindFacts, MODALITIES, NumberType};
+pub use fields::FilledPart;
 pub use histogram::{N_BINS, ROBUST, Scan, otsu, otsu_of_scan, robust_range, without_padding};
 pub use hounsfield::{looks_like_hounsfield, stored_offset};
 pub use kinds::{FAR, FoundKind, kind};

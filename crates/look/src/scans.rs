@@ -52,7 +52,10 @@ pub struct CurveNodes {
 }
 
 impl CurveNodes {
-    fn new(opacity: impl IntoIterator<Item = (f64, f64)>, color: impl IntoIterator<Item = (f64, Rgb)>) -> Self {
+    pub(crate) fn new(
+        opacity: impl IntoIterator<Item = (f64, f64)>,
+        color: impl IntoIterator<Item = (f64, Rgb)>,
+    ) -> Self {
         Self {
             opacity: opacity.into_iter().map(|(value, opacity)| OpacityNode { value, opacity }).collect(),
             color: color.into_iter().map(|(value, rgb)| ColorNode { value, rgb }).collect(),
@@ -116,9 +119,10 @@ impl CurveNodes {
 }
 
 /// The nodes, kept a small distance apart: equal percentiles would make steps.
-fn increasing<const N: usize>(mut nodes: [f64; N], extent: f64) -> [f64; N] {
-    for i in 1..N {
-        nodes[i] = nodes[i].max(nodes[i - 1] + 1e-3 * extent);
+pub(crate) fn increasing<T: AsMut<[f64]>>(mut nodes: T, extent: f64) -> T {
+    let all = nodes.as_mut();
+    for i in 1..all.len() {
+        all[i] = all[i].max(all[i - 1] + 1e-3 * extent);
     }
     nodes
 }

@@ -23,17 +23,6 @@ pub fn opaque_after(n_samples: [usize; 3], spacing: [f64; 3]) -> f64 {
 }
 
 #[pyfunction]
-pub fn opacity_of_voxel(opacity: f64, n_voxels: f64) -> f64 {
-    voxels::opacity_of_voxel(opacity, n_voxels)
-}
-
-#[pyfunction]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists over by value")]
-pub fn rising(places: Vec<f64>, n_voxels: f64) -> Vec<f64> {
-    places.iter().map(|&place| voxels::rising(place, n_voxels)).collect()
-}
-
-#[pyfunction]
 pub fn lightened(color: RgbTuple) -> RgbTuple {
     channel_ramp::lightened(color.into()).into()
 }

@@ -4,8 +4,8 @@
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use wavesplat::look::{
-    self, CurveNodes, DataKind, Evidence, FoundKind, KindFacts, Neighbourhood, NumberType, SeenSamples, SidePair,
-    Source,
+    self, CurveNodes, DataKind, Evidence, FilledPart, FoundKind, KindFacts, Neighbourhood, NumberType, SeenSamples,
+    SidePair, Source,
 };
 
 type Values<'py> = PyReadonlyArray1<'py, f64>;
@@ -204,4 +204,46 @@ pub fn scan_nodes(py: Python<'_>, values: Values<'_>, gradients: Values<'_>, is_
 pub fn grey_nodes(py: Python<'_>, values: Values<'_>, is_ct: bool, is_clear_below: bool) -> PyResult<Nodes> {
     let (values, kind) = (values.as_slice()?, if is_ct { DataKind::Ct } else { DataKind::Scan });
     Ok(nodes(&py.detach(|| CurveNodes::of_greys(values, kind, is_clear_below))))
+}
+
+/// Curves of doses, shares, calculated maps and p-values, and of masks. `largest`: the volume's largest value.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands texts over by value")]
+pub fn light_nodes(kind: String, values: Values<'_>, largest: f64, n_voxels: f64) -> PyResult<Option<Nodes>> {
+    let values = values.as_slice()?;
+    let (low, high) = look::statistics::extremes(values);
+    let found = match &kind[..] {
+        "dose" => CurveNodes::of_dose(largest.max(high), n_voxels),
+        "FA" => CurveNodes::of_anisotropy(largest, n_voxels),
+        "probability" => CurveNodes::of_probability(largest.max(high), n_voxels),
+        "map" => CurveNodes::of_map(values, n_voxels),
+        "p-values" => CurveNodes::of_p_values(n_voxels),
+        "mask" => CurveNodes::of_mask(low, high),
+        "labels" => CurveNodes::of_mask(0.0, 1.0),
+        _ => return Ok(None),
+    };
+    Ok(Some(nodes(&found)))
+}
+
+/// Curves of a field. `spread`: samples spread over the volume, z, y, x, that has `n_planes`.
+#[pyfunction]
+pub fn field_nodes(
+    py: Python<'_>,
+    values: Values<'_>,
+    has_two_signs: bool,
+    fill: Option<f64>,
+    spread: PyReadonlyArray3<'_, f64>,
+    n_planes: usize,
+    n_voxels: f64,
+) -> PyResult<Nodes> {
+    let &[n_z, n_y, n_x] = spread.shape() else { unreachable!("three axes") };
+    let (values, samples) = (values.as_slice()?, spread.as_slice()?);
+    Ok(nodes(&py.detach(|| {
+        let part = FilledPart::of(samples, [n_z, n_y, n_x], n_planes);
+        if has_two_signs {
+            CurveNodes::of_signed_field(values, n_voxels, part)
+        } else {
+            CurveNodes::of_field(values, fill, n_voxels, part)
+        }
+    })))
 }

@@ -40,9 +40,7 @@ mod _native {
     #[pymodule_export]
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
     #[pymodule_export]
-    use crate::curves::{
-        bent, exposed, in_window, lightened, opacity_of_voxel, opaque_after, ramp, ramp_of_part, rising, window_of,
-    };
+    use crate::curves::{bent, exposed, in_window, lightened, opaque_after, ramp, ramp_of_part, window_of};
     #[pymodule_export]
     use crate::documents::{
         camera_fields, check_material, check_part, check_settings, check_state, check_values, checked_view,
@@ -53,8 +51,8 @@ mod _native {
     use crate::gpu::{gpu_adapters, gpu_check, gpu_count, gpu_memory, gpu_settle};
     #[pymodule_export]
     use crate::kinds::{
-        ct_nodes, grey_nodes, kind_of_data, looks_like_hounsfield, otsu, otsu_of_scan, robust_range, scan_nodes,
-        step_for, stored_offset, tissue_nodes, ultrasound_nodes, without_padding,
+        ct_nodes, field_nodes, grey_nodes, kind_of_data, light_nodes, looks_like_hounsfield, otsu, otsu_of_scan,
+        robust_range, scan_nodes, step_for, stored_offset, tissue_nodes, ultrasound_nodes, without_padding,
     };
     #[pymodule_export]
     use crate::labels::PyLabels;
@@ -105,7 +103,6 @@ mod _native {
         let kinds = wavesplat::look::MODALITIES.map(|(modality, kind)| (modality, kind.name()));
         module.add("KINDS_OF_MODALITIES", kinds.into_py_dict(module.py())?)?;
         module.add("QUANTITIES", PyTuple::new(module.py(), wavesplat::look::quantities::ALL)?)?;
-        module.add("SIGNIFICANT", wavesplat::look::SIGNIFICANT)?;
         module.add("FAR_ABOVE_NOISE", wavesplat::look::FAR)?;
         module.add("FARTHEST", wavesplat::view::FARTHEST)?;
         module.add("FILLED", wavesplat::view::FILLED)?;

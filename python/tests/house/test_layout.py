@@ -103,6 +103,8 @@ ROOMS = {
         "segmentation",
         "kinds",
         "scans",
+        "fields",
+        "light_maps",
     ],
     "crates/view/src": [
         "rotation",

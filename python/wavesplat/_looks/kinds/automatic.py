@@ -8,7 +8,7 @@ gradients are largest, and low at the values of the materials themselves.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -24,17 +24,9 @@ from wavesplat._looks.kinds.channel_colors import color_of
 from wavesplat._looks.kinds.channels import (
     channel_window,
     clear_of_values,
+    opaque_after,
     ramp,
     window_of_values,
-)
-from wavesplat._looks.kinds.field_curves import (
-    Curves,
-    Part,
-    of_field,
-    of_signed_field,
-    opacity_of_voxel,
-    opaque_after,
-    rising,
 )
 from wavesplat._looks.kinds.histogram import otsu, robust_range_of, without_padding
 from wavesplat._looks.kinds.kinds import Evidence, Kind, evidence, kind_of, offset_of
@@ -105,31 +97,8 @@ BLOCKS = ("MR", "scan")
 #: Hounsfield units in the black of a maximum: every ray through a body meets soft tissue, so that what is below shows
 #: nothing but the table, and takes half of the greys from vessels and bone.
 CT_MAXIMUM_BLACK = -100.0
-MASK = (0.98, 0.80, 0.56)
-#: The map of `cmap` that fields are shown in, and where it begins: its dark end cannot be seen on black.
-FIELD_MAP, FIELD_START = "inferno", 0.4
-#: Places, 0..1, and colours of values below and above zero: strong at the ends, none paler than is seen on white or
-#: darker than is seen on black.
-SIGNS = [
-    (0.00, 0.20, 0.48, 1.00),
-    (0.35, 0.46, 0.67, 0.95),
-    (0.50, 0.70, 0.70, 0.70),
-    (0.65, 0.95, 0.63, 0.46),
-    (1.00, 1.00, 0.34, 0.20),
-]
-#: The map of `cmap` that doses are shown in, blue to red as in programs for radiotherapy, and the least share of the
-#: largest dose that shows.
-DOSE_MAP, MIN_DOSE = "turbo", 0.1
-#: The map of `cmap` that shares are shown in. Fractional anisotropy that is clear and that is opaque: grey matter and
-#: fluid have less than the first, and single fibre bundles reach the second.
-SHARE_MAP, FA_ENDS = "hot", (0.2, 0.9)
 #: Percentile of the pixels of air in a PET that is still white, and the largest share of the greys that white has.
 AIR_PERCENT, MAX_AIR = 99.5, 0.02
-#: Largest share of finite samples in the box for which they are taken for an object surrounded by missing samples, and
-#: the opacity of a ray through such an object at its common values.
-MAX_OBJECT, VEIL = 0.9, 0.4
-#: Percentiles of the values above 0 of a calculated map that are clear and opaque: fits leave a few far off.
-MAP_ENDS = (0.1, 99.5)
 
 
 def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color: Rgb | None = None) -> Look:
@@ -315,56 +284,11 @@ def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     return TransferFunction(*_native.scan_nodes(known.values, known.gradients, volume.is_anatomical)), SOLID
 
 
-def _dose(volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    """A look of a dose map: clear below a tenth of the largest dose, then from blue to red, the hottest solid."""
-    highest = max(float(volume.value_range[1]), float(known.values.max()))
-    shares = np.linspace(MIN_DOSE, 1.0, 17)
-    nodes = np.array(_increasing((shares * highest).tolist(), highest if highest > 0 else 1.0))
-    n_voxels = opaque_after(volume)
-    opacity = [
-        (float(v), opacity_of_voxel(0.9999 * float(s) ** 2.5, n_voxels)) for v, s in zip(nodes, shares, strict=True)
-    ]
-    opacity.insert(0, (float(nodes[0]), 0.0))
-    return TransferFunction(opacity, _mapped(DOSE_MAP, nodes, start=0.1)), None
-
-
-def _fa(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
-    """A look of fractional anisotropy: white matter gives light, and nothing has a skin."""
-    low, high = FA_ENDS
-    high = max(min(high, float(volume.value_range[1])), low + 0.1)
-    return _light(SHARE_MAP, low, high, opaque_after(volume)), None
-
-
-def _probability(volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    """A look of probabilities: clear at 0, opaque at the largest."""
-    high = max(float(volume.value_range[1]), float(known.values.max()))
-    # Without a value above 0, such as fits may have below it, nothing is probable, and nothing shows.
-    return _light(SHARE_MAP, 0.0, high if high > 0 else 1.0, opaque_after(volume)), SOFT
-
-
-def _map(volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    """A look of a calculated map: it gives light from the least value of the matter on, and nothing has a skin."""
-    values = known.values[known.values > 0]
-    low, high = (float(end) for end in np.percentile(values, MAP_ENDS)) if values.size else (0.0, 1.0)
-    # The least value of a statistic above its threshold; of a map without one, nearly 0.
-    least = max(1e-6 * abs(low), float(np.finfo(np.float32).tiny))
-    return _light(FIELD_MAP, low, max(high, low + least), opaque_after(volume)), None
-
-
-def _p_values(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
-    """A look of p-values: clear from the significant ones on, opaque at 0."""
-    light = _light(SHARE_MAP, 0.0, _native.SIGNIFICANT, opaque_after(volume))
-    opacity = [(_native.SIGNIFICANT - value, alpha) for value, alpha in reversed(light.opacity)]
-    color = [(_native.SIGNIFICANT - value, *rgb) for value, *rgb in reversed(light.color)]
-    return TransferFunction(opacity, color), None
-
-
-def _light(name: str, low: float, high: float, n_voxels: float) -> TransferFunction:
-    """A colour map from a clear value to one that `n_voxels` together make opaque."""
-    places = np.linspace(0.0, 1.0, 17)
-    nodes = np.array(_increasing((low + (high - low) * places).tolist(), high - low))
-    opacity = list(zip(nodes.tolist(), rising(places, n_voxels).tolist(), strict=True))
-    return TransferFunction(opacity, _mapped(name, nodes, start=0.3))
+def _light(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look of light, or of solid matter: of doses, shares, calculated maps and p-values, and of masks."""
+    nodes = _native.light_nodes(known.kind, known.values, volume.value_range[1], opaque_after(volume))
+    assert nodes is not None, "the kinds that have this look"
+    return TransferFunction(*nodes), {"probability": SOFT, "mask": SOLID, "labels": SOLID}.get(known.kind)
 
 
 def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
@@ -387,81 +311,30 @@ def _em(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
     return _greys(known), None
 
 
-def _signed_field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    """A look in blue below zero and red above, as strong at a value as at minus it."""
-    curves = of_signed_field(known.values, opaque_after(volume), _part_with_samples(volume))
-    table = np.array(SIGNS)
-    rgb = np.stack([np.interp(curves.places, table[:, 0], table[:, channel]) for channel in (1, 2, 3)], axis=1)
-    return _of_curves(curves, [(value, *one) for value, one in zip(curves.values.tolist(), rgb.tolist(), strict=True)])
-
-
 def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    """A look in a perceptual colour map, bright where few samples are."""
-    fill, part = known.fill, _part_with_samples(volume)
-    values = known.values if fill is None else known.values[known.values > fill]
-    curves = of_field(values, opaque_after(volume), replace(part, share=part.share * values.size / known.values.size))
-    color = _mapped(FIELD_MAP, curves.values, start=FIELD_START)
-    if curves.shows_low:
-        color = [(value, *rgb) for value, (_, *rgb) in zip(curves.values.tolist(), reversed(color), strict=True)]
-    function, shading = _of_curves(curves, color)
-    if fill is not None and function.opacity[0][1] > 0:
-        # Samples without data are clear, although the lowest values, which are close to them, are visible.
-        least = float(values.min())
-        edge = [(least - 0.5 * (least - fill), 0.0), (least, function.opacity[0][1])]
-        nodes = [*edge, *(node for node in function.opacity if node[0] > least)]
-        function = TransferFunction(nodes, function.color)
-    return function, shading
-
-
-def _part_with_samples(volume: Volume | WaveletVolume) -> Part:
-    """The part of the box with finite samples; if many are missing, the others are an object whose shape is shown."""
-    samples = subsampled(volume)
-    is_there = np.isfinite(samples)
-    share = float(is_there.mean())
-    if not 0 < share < MAX_OBJECT:
-        return Part(max(share, 1e-6))
-    step = volume.shape[0] / samples.shape[0]
-    along = np.concatenate([is_there.sum(axis=axis).ravel() for axis in range(3)])
-    thickness = step * float(np.median(along[along > 0]))
-    return Part(share, opacity_of_voxel(VEIL, thickness))
-
-
-def _of_curves(curves: Curves, color: list[tuple[float, ...]]) -> Made:
-    opacity = list(zip(curves.values.tolist(), curves.opacity.tolist(), strict=True))
-    return TransferFunction(opacity, color), SOFT
-
-
-def _mask(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    low, high = float(known.values.min()), float(known.values.max())
-    return _solid(low, high), SOLID
-
-
-def _labels(_volume: Volume | WaveletVolume, _known: Evidence) -> Made:
-    return _solid(0.0, 1.0), SOLID
-
-
-def _solid(low: float, high: float) -> TransferFunction:
-    """A transfer function that is opaque from halfway between two values on."""
-    middle = 0.5 * (low + high)
-    return TransferFunction([(middle, 0.0), (middle, 1.0)], [(middle, *MASK)])
+    """A look of a field, in a map of colours, or in blue and red where it has two signs."""
+    samples = np.ascontiguousarray(subsampled(volume), np.float64)
+    has_two_signs, n_planes = known.kind == "signed field", volume.shape[0]
+    nodes = _native.field_nodes(known.values, has_two_signs, known.fill, samples, n_planes, opaque_after(volume))
+    return TransferFunction(*nodes), SOFT
 
 
 LOOKS: dict[Kind, Callable[..., Made]] = {
     "CT": _ct,
     "MR": _tissue,
     "PET": _tissue,
-    "dose": _dose,
+    "dose": _light,
     "ultrasound": _ultrasound,
     "fluorescence": _fluorescence,
     "EM": _em,
-    "FA": _fa,
-    "probability": _probability,
-    "map": _map,
-    "p-values": _p_values,
-    "signed field": _signed_field,
+    "FA": _light,
+    "probability": _light,
+    "map": _light,
+    "p-values": _light,
+    "signed field": _field,
     "field": _field,
-    "mask": _mask,
-    "labels": _labels,
+    "mask": _light,
+    "labels": _light,
     "scan": _scan,
 }
 
@@ -470,20 +343,3 @@ def _parted(known: Evidence) -> tuple[float, float, float]:
     """Values that count as smallest and largest, and the threshold between background and object."""
     low, high = robust_range_of(known.values)
     return low, otsu(known.values, low, high), high
-
-
-def _increasing(nodes: Sequence[float], extent: float) -> list[float]:
-    """The nodes, kept a small distance apart: equal percentiles would make steps."""
-    least = 1e-3 * extent
-    out = [float(nodes[0])]
-    for node in nodes[1:]:
-        out.append(max(float(node), out[-1] + least))
-    return out
-
-
-def _mapped(name: str, nodes: NDArray[np.float64], *, start: float) -> list[tuple[float, ...]]:
-    """Colours of a map from `start` on at nodes, evenly."""
-    places, colors = colors_of(name)
-    wanted = np.linspace(start, 1.0, nodes.size)
-    red, green, blue = (np.interp(wanted, places, colors[:, c]).tolist() for c in range(3))
-    return list(zip(nodes.tolist(), red, green, blue, strict=True))

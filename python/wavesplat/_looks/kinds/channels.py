@@ -1,8 +1,8 @@
 """Looks of fluorescence channels: light of their own in one colour, opaque where it is bright, over a window of values.
 
 Nothing is shaded: dyes give light, and have no surfaces. Opacity and colour rise over the window, so that what is below
-it is clear, and several channels can be seen through each other. Opacity is that of a voxel (`field_curves.py`), so
-that light belongs to the matter, not to its box.
+it is clear, and several channels can be seen through each other. Opacity is that of a voxel (`crates/look`:
+`voxels.rs`), so that light belongs to the matter, not to its box.
 
 The window is the file's where somebody chose it and samples lie in it, else percentiles of the samples.
 
@@ -23,7 +23,6 @@ from wavesplat._looks.curves import colors
 from wavesplat._looks.curves.transfer_function import TransferFunction
 from wavesplat._looks.curves.value_scale import End, values_of
 from wavesplat._looks.kinds.channel_colors import color_of
-from wavesplat._looks.kinds.field_curves import opaque_after
 from wavesplat._looks.kinds.histogram import without_padding
 from wavesplat._looks.kinds.looked_at import subsampled
 from wavesplat._looks.look import Look
@@ -32,6 +31,7 @@ from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._model.arguments.sampling import Composite
+    from wavesplat._model.volume.grid import Grid
     from wavesplat._model.volume.volume import Volume
     from wavesplat._model.volume.wavelet_volume import WaveletVolume
 
@@ -152,6 +152,12 @@ def clear_of_values(values: NDArray[Any]) -> float:
         return low
     deviation = 1.4826 * float(np.median(np.abs(values - middle)))
     return max(low, min(middle + NOISE * deviation, 0.5 * (middle + high)))
+
+
+def opaque_after(grid: Grid) -> float:
+    """Number of voxels of the largest values that are opaque together: three, or as many as a thinner box has."""
+    n_z, n_y, n_x = grid.shape
+    return _native.opaque_after((n_x, n_y, n_z), grid.spacing)
 
 
 def ramp(

@@ -11,8 +11,7 @@ from wavesplat import _native
 from wavesplat._looks.labels import structure_labels
 from wavesplat._model.interchange import itk_image, nibabel_image
 from wavesplat._model.volume import facts
-from wavesplat._readers.dicom import attributes, header, mosaic, segments, series, structures, units, volumes
-from wavesplat._readers.dicom import units as dicom_units
+from wavesplat._readers.dicom import attributes, header, mosaic, segments, series, structures, suv, units, volumes
 from wavesplat._readers.nifti import neuroimaging
 from wavesplat._readers.nrrd import image_headers, nrrd_for_itk
 
@@ -35,17 +34,17 @@ MET_ULONG_LONG MET_FLOAT MET_DOUBLE"""
 #: Our words, those of the standard, and those of ours that are none of it: what makers write, and nothing.
 TABLE = {
     "Units (0054,1001), PS3.3 C.8.9.1": (
-        {*dicom_units.OF_PET, *dicom_units.OF_UPTAKE},
+        {*units.OF_PET, *units.OF_UPTAKE},
         UNITS,
         "",
     ),
-    "SUVType (0054,1006), C.8.9.1": (dicom_units.OF_SUV.keys() - {""}, "BSA BW LBM LBMJAMES128 LBMJANMA IBW", ""),
+    "SUVType (0054,1006), C.8.9.1": (units.OF_SUV.keys() - {""}, "BSA BW LBM LBMJAMES128 LBMJANMA IBW", ""),
     "RescaleType (0028,1054), C.11.1.1.2": (
-        dicom_units.OF_RESCALED,
+        units.OF_RESCALED,
         "OD HU US MGML Z_EFF ED EDW HU_MOD PCT",
         "NONE UNSPECIFIED NORMALIZED",
     ),
-    "DoseUnits (3004,0002), C.8.8.3": (dicom_units.OF_DOSES, "GY RELATIVE", ""),
+    "DoseUnits (3004,0002), C.8.8.3": (units.OF_DOSES, "GY RELATIVE", ""),
     "SegmentationType (0062,0001), C.8.20.2": (segments.KINDS, "BINARY FRACTIONAL LABELMAP", ""),
     "ComplexImageComponent (0008,9208), C.8.13.3.1.1, without MIXED": (
         volumes.PARTS,
@@ -69,17 +68,17 @@ TABLE = {
 #: Some words of a list that is longer.
 PARTS = {
     "CorrectedImage (0028,0051), PS3.3 C.8.9.1": (
-        {words[0] for words in units.CORRECTIONS.values()},
+        {words[0] for words in suv.CORRECTIONS.values()},
         "DECY ATTN SCAT DTIM MOTN PMOT CLN RAN RADL DCAL NORM",
     ),
-    "DecayCorrection (0054,1102), C.8.9.1": (units.DECAY_CORRECTED, "NONE START ADMIN"),
+    "DecayCorrection (0054,1102), C.8.9.1": (suv.DECAY_CORRECTED, "NONE START ADMIN"),
     "ContourGeometricType (3006,0042), C.8.8.6": (
         structures.CLOSED,
         "POINT OPEN_PLANAR OPEN_NONPLANAR CLOSED_PLANAR CLOSEDPLANAR_XOR",
     ),
     "RTROIInterpretedType (3006,00A4), C.8.8.8": ({structure_labels.OUTLINE}, "EXTERNAL PTV CTV GTV ORGAN"),
     "Modality, no images": (header.NO_IMAGES, MODALITIES),
-    "Modality, with units": (dicom_units.OF_MODALITY, MODALITIES),
+    "Modality, with units": (units.OF_MODALITY, MODALITIES),
     "Modality, by name": (series.MODALITIES.values(), MODALITIES),
     "Modality, with a look": (_native.KINDS_OF_MODALITIES.keys() - {"fluorescence", "EM"}, MODALITIES),
     "Modality, of other formats": (itk_image.DICOM_CODES, MODALITIES),
@@ -149,9 +148,9 @@ def test_attributes_are_read_as_the_dictionaries_say():
 
 
 def test_names_of_private_blocks_are_those_of_the_dictionaries():
-    names = {mosaic.CREATOR.name, units.PHILIPS.name, units.GE.name}
+    names = {mosaic.CREATOR.name, suv.PHILIPS.name, suv.GE.name}
     assert names <= private_dictionaries.keys()
-    assert private_dictionaries[units.GE.name]["0009xx0D"][2] == "PET scan_datetime"
-    assert private_dictionaries[units.PHILIPS.name]["7053xx00"][2] == "SUV Scale Factor"
-    assert private_dictionaries[units.PHILIPS.name]["7053xx09"][2] == "Activity Concentration Scale Factor"
+    assert private_dictionaries[suv.GE.name]["0009xx0D"][2] == "PET scan_datetime"
+    assert private_dictionaries[suv.PHILIPS.name]["7053xx00"][2] == "SUV Scale Factor"
+    assert private_dictionaries[suv.PHILIPS.name]["7053xx09"][2] == "Activity Concentration Scale Factor"
     assert private_dictionaries[mosaic.CREATOR.name]["0019xx0A"][2] == "NumberOfImagesInMosaic"

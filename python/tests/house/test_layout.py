@@ -187,7 +187,6 @@ CIRCLES = {
             "volume.wavelet_volume",
         ),
         ("camera.camera", "camera.files", "camera.fit", "camera.path"),
-        ("lazy.array", "lazy.checks", "lazy.read_ahead", "lazy.survey"),
     ],
     "_picture": [("annotating", "picture", "picture_files", "vector_files")],
     "_readers": [("dicom.header", "dicom.pixel_data", "dicom.places")],

@@ -1,14 +1,16 @@
-"""Terms of the field can be found by search: in the head of the file that implements them, and in the docs."""
+"""Terms of the field and files are found by search: terms where they are implemented, files that texts name."""
 
 from __future__ import annotations
 
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[3]
 DOCS = ("docs/glossary.md", "README.md")
+NAMED_FILE = re.compile(r"`((?:\w+/)*\w+\.(?:py|rs|ts|tsx|wgsl))`")
 
 TERMS = [
     "opacity correction",
@@ -63,9 +65,14 @@ def test_every_file_of_rust_says_what_it_is(heads):
     assert silent == []
 
 
-def test_files_that_the_glossary_names_exist():
-    """`core/picture.rs` is of another crate, the others are of the renderer."""
-    sources = re.findall(r"`([a-z_/]+\.rs)`", (ROOT / "docs/glossary.md").read_text("utf-8"))
-    assert len(sources) > 40
-    places = {one: (ROOT / "crates/splat/src" / one, ROOT / "crates" / one.replace("/", "/src/", 1)) for one in sources}
-    assert [one for one, both in places.items() if not any(place.is_file() for place in both)] == []
+def test_files_that_texts_name_exist():
+    """Names and ends of paths in backticks, in code and docs: files that move leave none behind."""
+    listed = subprocess.check_output(["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard"], encoding="utf-8")
+    files = [f"/{path}" for path in listed.splitlines() if (ROOT / path).is_file()]
+    ends = {path[place:] for path in files for place, letter in enumerate(path) if letter == "/"}
+    texts = [path for path in files if path.endswith((".py", ".rs", ".ts", ".tsx", ".md")) and "/client/" not in path]
+    named = {(path, name) for path in texts for name in NAMED_FILE.findall((ROOT / path[1:]).read_text("utf-8"))}
+    assert len(named) > 200
+    # `core/picture.rs` is `crates/core/src/picture.rs`.
+    missing = {one for one in named if not {f"/{one[1]}", "/" + one[1].replace("/", "/src/", 1)} & ends}
+    assert missing == set()

@@ -13,10 +13,13 @@ import numpy as np
 
 from wavesplat import _native
 from wavesplat._model.camera.camera import Camera
-from wavesplat._model.lazy.array import LazyArray, lazy_array
+from wavesplat._model.lazy.array import lazy_array
+from wavesplat._model.lazy.lazy_array import LazyArray
+from wavesplat._model.lazy.memory_budget import check_budget
 from wavesplat._model.lazy.parts import box_of_crop, corners_of_crop
-from wavesplat._model.lazy.read_ahead import Box, ReadCounts, check_budget
+from wavesplat._model.lazy.read_ahead import ReadCounts
 from wavesplat._model.lazy.volume import LazyVolume, Level, lazily
+from wavesplat._model.volume.stack import Box
 from wavesplat._model.volume.volume import Volume
 from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._render.arguments import chosen_labels

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._model.lazy.parts import read_box
-from wavesplat._model.lazy.read_ahead import Box
 from wavesplat._model.lazy.volume import LazyVolume, Level
+from wavesplat._model.volume.stack import Box
 from wavesplat._model.volume.volume import Volume
 from wavesplat._system.memory import byte_size
 from wavesplat.errors import LimitError

@@ -15,24 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._model.lazy.array import LazyArray
-from wavesplat._model.lazy.read_ahead import (
-    FOR_UNPACKING,
-    Box,
-    BoxReader,
-    Pending,
-    ReadCounts,
-    SampleBuffers,
-    copy_overlap,
-)
+from wavesplat._model.lazy.lazy_array import LazyArray
+from wavesplat._model.lazy.memory_budget import FOR_SAMPLES, FOR_UNPACKING
+from wavesplat._model.lazy.read_ahead import BoxReader, Pending, ReadCounts, SampleBuffers, copy_overlap
+from wavesplat._model.volume.stack import Box
 from wavesplat._system.memory import byte_size, trim_heap
 from wavesplat.errors import CancelledError, LimitError
-
-#: Share of a budget that is for the samples of two steps; the rest is for bounds, what is being unpacked, and what the
-#: allocator keeps. A first picture of 2048^3 from Zarr within 300 MB peaks at 306 MB, Python included, by 0.25 (14
-#: blocks, 19.7 s of processor time), at 336 by 0.33 (10, 17.6 s), at 363 by 0.4 (8, 16.6 s): larger blocks share fewer
-#: chunks.
-FOR_SAMPLES = 0.4
 
 Progress = Callable[[float], object]
 #: Lower and upper corner (x, y, z) of a box in index space; infinite where it has no face.

@@ -31,10 +31,11 @@ from wavesplat._looks.body.table import (
     out_of,
     without_table,
 )
-from wavesplat._model.lazy.array import LazyArray
+from wavesplat._model.lazy.lazy_array import LazyArray
 from wavesplat._model.lazy.parts import read_box
-from wavesplat._model.lazy.read_ahead import Box, fill_box
+from wavesplat._model.lazy.read_ahead import fill_box
 from wavesplat._model.lazy.volume import LazyVolume, Level
+from wavesplat._model.volume.stack import Box
 from wavesplat._model.volume.volume import Volume
 from wavesplat._model.volume.wavelet_volume import WaveletVolume
 

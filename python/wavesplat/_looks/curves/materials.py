@@ -6,7 +6,7 @@ claims is clear.
 The mixture's associated colour is sum p_i alpha_i rgb_i, its opacity sum p_i alpha_i.
 Source: Drebin, Carpenter and Hanrahan, Volume Rendering, SIGGRAPH 1988.
 There the percentages are a volume of their own; here they are a function of the reconstructed value, as all colour is.
-`materials_mixture` makes curves of them.
+`curves` makes nodes of it.
 
 With p_i(v) the share of material i in a sample of value v and rho_i its number (`Material.density`), the strength of a
 surface is the gradient of D(v) = sum p_i rho_i. D depends on the place through the value alone, so that
@@ -372,7 +372,8 @@ class Materials:
 
         Notes
         -----
-        The surface term of Drebin, Carpenter and Hanrahan (1988); `materials_surface` has the formula.
+        The surface term of Drebin, Carpenter and Hanrahan (1988): with S the magnitude of the gradient of the mixture's
+        density, opacity times 1 - share + share min(1, thickness S).
         """
         return surfaces(self, share, thickness)
 

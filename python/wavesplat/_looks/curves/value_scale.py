@@ -95,7 +95,7 @@ NAMES = tuple(name for name, _ in _native.SCALES)
 ABSOLUTE = tuple(name for name, is_absolute in _native.SCALES if is_absolute)
 #: Percentile of the magnitudes that counts as the largest, and percentile of the object that counts as its largest.
 LARGEST_MAGNITUDE, LARGEST_OF_OBJECT = 99.9, 99.5
-#: Percentiles of the positive values that count as smallest and largest, as `thresholds.ROBUST`.
+#: Percentiles of the positive values that count as smallest and largest, as in `crates/look` (`histogram.rs`).
 ROBUST = (0.1, 99.9)
 
 

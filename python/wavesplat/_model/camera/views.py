@@ -4,7 +4,8 @@ A body is shown as radiologists read it: axial from the feet, coronal from the f
 Other data are shown as they are stored, row 0 on top and column 0 on the left, as Fiji, napari and matplotlib show an
 array of shape (z, y, x): `a[k]` is xy, `a[:, j]` is xz and `a[:, :, i]` is yz. All are turned, never mirrored: the eye
 is before the first slice of xy, behind the last row of xz and before the first column of yz.
-Maps and what was calculated, where the file says so (`placement.UPRIGHT`), have the world's axes to the right and up.
+Maps and calculated volumes, where the file says so (`UPRIGHT` of `_model/volume/grid.py`), have the world's axes to the
+right and up.
 """
 
 from __future__ import annotations

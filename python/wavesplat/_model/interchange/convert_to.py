@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from wavesplat._model.interchange import itk_image, labelled_array, nibabel_image, vtk_image
 from wavesplat._model.volume import affine, units
-from wavesplat._model.volume import grid as placement
-from wavesplat._model.volume.grid import Grid
+from wavesplat._model.volume.grid import UPRIGHT, Grid
 from wavesplat._system.libraries import library
 
 if TYPE_CHECKING:
@@ -45,7 +44,7 @@ def to_xarray(grid: Grid, samples: NDArray[Any]) -> xarray.DataArray:
         attributes[labelled_array.AFFINE] = rows.ravel().tolist()
     coordinates = {}
     with_unit = {} if grid.unit is None else {"units": grid.unit}
-    is_map = placement.UPRIGHT in grid.facts.conventions
+    is_map = UPRIGHT in grid.facts.conventions
     for name, first, step, n in zip("xyz", firsts, steps, reversed(grid.shape), strict=True):
         # As the conventions for climate and forecasts say that z is up.
         more = {"axis": name.upper(), **({"positive": "up"} if name == "z" else {})} if is_map else {}

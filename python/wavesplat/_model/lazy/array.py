@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import product
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,9 @@ from wavesplat._model.lazy.checks import (
     is_wide_integer,
     renderable_type,
 )
+from wavesplat._model.lazy.lazy_array import LazyArray, Shape
 from wavesplat._model.volume.facts import Facts
+from wavesplat._model.volume.stack import Box
 from wavesplat._storage.file_states import FileChangedError, SourceFiles, StoredFiles
 from wavesplat._storage.web import ServerError
 from wavesplat._storage.zarr.chunk_files import check_chunks, chunk_files
@@ -41,63 +43,10 @@ from wavesplat._system.libraries import library
 from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
-Shape = tuple[int, int, int]
-Box = tuple[Shape, Shape]
-
 #: Threads that read at once, where that helps.
 N_READERS = 4
 #: Chunks that are read one by one, at most, to find one that cannot be read.
 MAX_LOOKED_THROUGH = 512
-
-
-class LazyArray(Protocol):
-    """An array of samples [z, y, x] that are read on demand."""
-
-    @property
-    def shape(self) -> Shape:
-        """Samples along z, y, x."""
-
-    @property
-    def dtype(self) -> np.dtype[Any]:
-        """Type of the samples that `read` returns, one that the renderer takes."""
-
-    @property
-    def chunks(self) -> Shape:
-        """Samples of a chunk along z, y, x: those that are read at once."""
-
-    @property
-    def is_in_memory(self) -> bool:
-        """Whether the samples are in memory, so that reading costs nothing."""
-
-    @property
-    def n_readers(self) -> int:
-        """Threads that may read at once."""
-
-    @property
-    def reads_together(self) -> bool:
-        """Whether several boxes are read faster together, by `read_many`."""
-
-    @property
-    def name(self) -> str:
-        """Name in messages."""
-
-    @property
-    def token(self) -> str | None:
-        """Name that identifies these samples within the same files or, without files, among all; None if none.
-
-        A name does not identify content: surveys of arrays that have nothing but a name (of Dask, of an address) are
-        only kept in a folder that the user has given.
-        """
-
-    @property
-    def files(self) -> SourceFiles | None:
-        """The files that hold all samples; None where samples are, or may be, from elsewhere."""
-
-    def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
-        """Read the samples of the box from `lo` to before `hi`; a `FileError` names the part that cannot be read."""
-
-    def read_many(self, boxes: Sequence[Box]) -> list[NDArray[Any]]:
-        """Read the samples of several boxes."""
 
 
 @dataclass(frozen=True)

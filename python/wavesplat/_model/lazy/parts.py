@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 from wavesplat import _native
 from wavesplat._model.arguments.clips import Crop
 from wavesplat._model.arguments.types import text_of
-from wavesplat._model.lazy.array import LazyArray, lazy_array
-from wavesplat._model.lazy.read_ahead import Box, BoxReader, n_in
+from wavesplat._model.lazy.array import lazy_array
+from wavesplat._model.lazy.lazy_array import LazyArray
+from wavesplat._model.lazy.read_ahead import BoxReader, n_in
 from wavesplat._model.lazy.survey import ShownPart
 from wavesplat._model.lazy.volume import LazyVolume, lazily
 from wavesplat._model.volume import affine
 from wavesplat._model.volume.facts import Facts
+from wavesplat._model.volume.stack import Box
 from wavesplat._model.volume.volume import Volume, _checked_affine, _checked_facts, _with_guesses
 from wavesplat._storage.paths import printable
 from wavesplat._system.memory import check_room

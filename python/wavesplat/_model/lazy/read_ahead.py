@@ -19,20 +19,14 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._model.lazy.array import LazyArray
+from wavesplat._model.lazy.lazy_array import LazyArray
+from wavesplat._model.lazy.memory_budget import UNPACKED_TIMES, unpacked_bytes
+from wavesplat._model.volume.stack import Box
 from wavesplat._storage.file_states import FileChangedError
-from wavesplat._system.memory import byte_size
-from wavesplat.errors import FileError, LimitError
-
-#: First index and end of a box along z, y, x.
-Box = tuple[tuple[int, int, int], tuple[int, int, int]]
+from wavesplat.errors import FileError
 
 #: Size of a part, in bytes, at most, except that a part has at least one chunk.
 PART_BYTES = 8 << 20
-#: Memory that a part takes while it is unpacked, by its size: chunks as they are stored, unpacked, and put together.
-UNPACKED_TIMES = 3
-#: Share of a budget for what is being unpacked.
-FOR_UNPACKING = 0.25
 
 
 @dataclass
@@ -222,26 +216,6 @@ class Pending:
     def samples(self) -> NDArray[Any]:
         """The samples, whether they are complete or not."""
         return self._samples
-
-
-def unpacked_bytes(array: LazyArray) -> int:
-    """Bytes that a chunk takes while it is unpacked; 0 where parts of it are read alone."""
-    if array.is_in_memory or getattr(array, "reads_parts", False):
-        return 0
-    return UNPACKED_TIMES * math.prod(array.chunks) * array.dtype.itemsize
-
-
-def check_budget(arrays: Sequence[LazyArray], memory: int) -> None:
-    """Raise a `LimitError` if a chunk of an array takes more than half of the budget while it is unpacked."""
-    for array in arrays:
-        needed = 2 * unpacked_bytes(array)
-        if needed > memory:
-            z, y, x = array.chunks
-            raise LimitError(
-                f"memory is {byte_size(memory)}, and a chunk of {array.name!r} (z {z}, y {y}, x {x}, {array.dtype}) "
-                f'needs {byte_size(needed)}; give memory="{-(-needed // 10**6)} MB" or more, or store '
-                "the samples in smaller chunks"
-            )
 
 
 def cells(box: Box, chunks: Sequence[int], most: int) -> list[Box]:

@@ -23,8 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._model.lazy.array import LazyArray
-from wavesplat._model.lazy.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, cells, check_budget, n_in
+from wavesplat._model.lazy.lazy_array import LazyArray
+from wavesplat._model.lazy.memory_budget import FOR_UNPACKING, check_budget
+from wavesplat._model.lazy.read_ahead import BoxReader, Pending, cells, n_in
+from wavesplat._model.volume.stack import Box
 from wavesplat._storage.cache_folder import CacheFolder, default_folder
 from wavesplat._storage.paths import expanded
 from wavesplat._system.memory import trim_heap

@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 from wavesplat import _native
 from wavesplat._model.arguments.clips import Crop
 from wavesplat._model.arguments.types import is_whole_number_below
-from wavesplat._model.lazy.array import LazyArray, lazy_array
+from wavesplat._model.lazy.array import lazy_array
 from wavesplat._model.lazy.checks import LazyCache, look_again, narrowest_integer
+from wavesplat._model.lazy.lazy_array import LazyArray
 from wavesplat._model.lazy.survey import Survey, kept_survey, surveyed
 from wavesplat._model.volume import affine
 from wavesplat._model.volume.facts import Facts

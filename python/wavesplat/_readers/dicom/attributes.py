@@ -1,6 +1,6 @@
 """Attributes of DICOM frames that distinguish frames of one position: kinds of picture (echo, b-value, ...) and times.
 
-A table has each attribute with its tags, in the order in which frames are split by them (`dicom_volumes`). An attribute
+A table has each attribute with its tags, in the order in which frames are split by them (`volumes.py`). An attribute
 lies beside the pixels in classic files, and in functional groups of all frames or of one in enhanced files (DICOM
 PS3.3, C.7.6.16); here both are read by one walk over the same tags. Private tags are those that the vendors' DICOM
 conformance statements list for diffusion.

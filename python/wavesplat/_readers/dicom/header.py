@@ -22,7 +22,8 @@ from wavesplat._readers.dicom.mosaic import Picture, Tiles, split_of
 from wavesplat._readers.dicom.pictures import NO_PICTURES, FactsOfPictures, facts_of_pictures, sizes_of_pixels
 from wavesplat._readers.dicom.pixel_data import PixelData, check_n_frames, header_dataset, pixel_data_at
 from wavesplat._readers.dicom.places import N_FIRST, begins_as_dicom
-from wavesplat._readers.dicom.units import Tracer, ValueUnit, tracer_of, unit_of_values
+from wavesplat._readers.dicom.suv import Tracer, tracer_of
+from wavesplat._readers.dicom.units import ValueUnit, unit_of_values
 from wavesplat._readers.dicom.values import (
     as_numbers,
     first_items,
@@ -147,7 +148,7 @@ class Frame:
     stack: str = ""
     #: Number of the segment that it is a mask of; 0 of frames that are none.
     segment: int = 0
-    #: Attributes that may distinguish it from other frames of its position, by the names of `dicom_attributes`.
+    #: Attributes that may distinguish it from other frames of its position, by the names of `attributes.py`.
     attributes: Mapping[str, Value] = field(default_factory=dict)
     #: Lengths of the two directions of `orientation` in the file, of which it has unit vectors.
     orientation_lengths: tuple[float, float] = (1.0, 1.0)

@@ -2,10 +2,10 @@
 
 Frames that lie nowhere in a body are pictures: a film is a series of times, and they have x to the right and y down.
 
-`dicom_places` finds the files, `dicom_series` the series that is asked for. Headers are read by pydicom
-(`dicom_header`, with `dicom_attributes`), pixels by it and SimpleITK (`dicom_pixels`);
-`dicom_checks` finds impossible values, `dicom_volumes` the frames that belong together, `dicom_stack` makes slices at
-even distances of them, and `dicom_samples` values. Segmentations are label maps (`dicom_segments`).
+`places.py` finds the files, `series.py` the series that is asked for. Headers are read by pydicom (`header.py`, with
+`attributes.py`), pixels by it and SimpleITK (`pixels.py`); `volumes.py` finds the frames that belong together, and
+`slice_order.py` makes slices at even distances of them, with their values. Segmentations are label maps
+(`segments.py`).
 """
 
 from __future__ import annotations
@@ -37,8 +37,9 @@ from wavesplat._readers.dicom.series import (
     scanned,
     without_copies,
 )
-from wavesplat._readers.dicom.stack import Stack, samples_of, single, stacked
-from wavesplat._readers.dicom.units import ARBITRARY, uptake_of
+from wavesplat._readers.dicom.slice_order import Stack, samples_of, single, stacked
+from wavesplat._readers.dicom.suv import uptake_of
+from wavesplat._readers.dicom.units import ARBITRARY
 from wavesplat._readers.dicom.volumes import PLACE_MM, FrameVolume, times_of, volumes_of
 from wavesplat._readers.request import (
     PLANES_ARE_TAKEN,

@@ -18,7 +18,7 @@ import numpy as np
 from wavesplat._readers.dicom.header import Frame, Header, content_of, header_of, is_dicom
 from wavesplat._readers.dicom.mosaic import unsplit_note
 from wavesplat._readers.dicom.places import SUFFIXES, is_zip
-from wavesplat._readers.dicom.stack import N_NAMED
+from wavesplat._readers.dicom.slice_order import N_NAMED
 from wavesplat._readers.request import Request, several
 from wavesplat._readers.unsupported_formats import foreign_folder
 from wavesplat._system.threads import check_cancelled

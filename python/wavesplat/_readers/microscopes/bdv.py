@@ -3,7 +3,7 @@
 Either may be named; the samples find the XML beside them. Setups are channels here, each at the place of its
 registration, also those that are tiles or angles.
 Datasets of int16 hold uint16: HDF5 files of BigDataViewer are written so. A sample of a coarser level is the mean of a
-block, in whose middle it lies. Source: https://imagej.net/plugins/bdv, "File format"; see also `bdv_xml`.
+block, in whose middle it lies. Source: https://imagej.net/plugins/bdv, "File format".
 """
 
 from __future__ import annotations

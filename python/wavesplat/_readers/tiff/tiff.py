@@ -1,6 +1,6 @@
 """TIFF stacks, by tifffile: one file with many pages, or a folder with one slice per file.
 
-Distances, unit and channels come from OME or ImageJ metadata (`tiff_facts`); a bare TIFF has spacing 1 (its resolution
+Distances, unit and channels come from OME or ImageJ metadata (`facts.py`); a bare TIFF has spacing 1 (its resolution
 tags are about paper).
 """
 

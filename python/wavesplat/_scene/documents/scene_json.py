@@ -14,7 +14,7 @@ object as `Look.to_json` writes it, the name of a preset, or null: by the kind o
 colours a layer, if there is one. `geometry` are shapes in space, of files or written out (`geometry_json`). `camera`
 and `render` may be left out; the documents in reports and PNG files have them, and `figure`, the arguments of
 `Picture.annotated`, where something was drawn on the picture; documents of the viewer have `view`, which only it reads.
-Relative paths start from the document's folder, and files lie in it (`document_paths`).
+Relative paths start from the document's folder, and files lie in it (`named_volumes.py`).
 """
 
 from __future__ import annotations

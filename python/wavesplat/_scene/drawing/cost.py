@@ -33,15 +33,12 @@ from wavesplat._model.arguments.clips import Crop
 from wavesplat._model.arguments.types import takes_its_types
 from wavesplat._model.camera.camera import Camera
 from wavesplat._model.lazy.array import SlicedArray
+from wavesplat._model.lazy.memory_budget import FOR_UNPACKING, UNPACKED_TIMES, check_budget, unpacked_bytes
 from wavesplat._model.lazy.parts import box_of_crop, corners_of_crop
 from wavesplat._model.lazy.read_ahead import (
-    FOR_UNPACKING,
     PART_BYTES,
-    UNPACKED_TIMES,
     cells,
-    check_budget,
     n_in,
-    unpacked_bytes,
 )
 from wavesplat._model.lazy.survey import Survey
 from wavesplat._model.lazy.volume import LazyVolume, Level, lazily

@@ -22,7 +22,7 @@ afterAll(async () => {
   await server?.stop();
 });
 
-/** What of the page lies over a view, and the handles that another element covers. */
+/** Parts of the page that lie over a view, and the handles that another element covers. */
 const covered = (): Promise<string[]> =>
   page.evaluate(() => {
     const root = document.getElementById("viewer")?.shadowRoot;

@@ -178,6 +178,31 @@ export interface LabelFacts {
   readonly max: number | null;
 }
 
+/** The settings of a layer that its row in the list shows; decided by the session. */
+export interface LayerRow {
+  /** The look is of a colour map, of a channel's one colour, any other one with a window, or a table, which has none. */
+  readonly kind: "map" | "channel" | "look" | "table";
+  /** Name of the colour map, or #rrggbb of a channel; "" of other looks. */
+  readonly colors: string;
+  /** Values of the first and the last colour; on slices of the first layer, of black and white. */
+  readonly window: readonly [number, number] | null;
+  /** Least value that shows; null: by the look. */
+  readonly threshold: number | null;
+  readonly gamma: number;
+  /** Whether the window is the one that the data suggest. */
+  readonly is_automatic: boolean;
+}
+
+/** Fields of a row to be set; a window of numbers or percentiles, such as "1%", or null, which leaves an end as it is. */
+export interface LayerChange {
+  readonly colors?: string;
+  readonly window?: readonly [number | string | null, number | string | null];
+  readonly threshold?: number | null;
+  readonly gamma?: number;
+  /** Sets the window and gamma that the data suggest. */
+  readonly auto?: true;
+}
+
 /** The view, size and quality of a saved picture. */
 export interface Saved {
   /** Pixels of the whole picture. */
@@ -253,6 +278,10 @@ export interface Questions {
       } | null;
     };
   };
+  /** The rows of all layers, and the colour maps that are offered. */
+  layer_rows: { question: Readonly<Record<string, never>>; answer: { rows: readonly LayerRow[]; maps: readonly string[] } };
+  /** The changes of the state that set fields of a row. */
+  layer_change: { question: { layer: number } & LayerChange; answer: { operations: readonly Operation[] } };
   preset: { question: { layer: number; name: string }; answer: { look: Look } };
   /** A small picture of a layer with a preset, from the direction of the camera; PNG. */
   preset_picture: { question: { layer: number; name: string; size: number }; answer: { bytes: Uint8Array<ArrayBuffer> } };

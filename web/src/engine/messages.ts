@@ -119,6 +119,15 @@ const ANSWERS: Readonly<Record<Question, Check>> = {
   shape: open({
     shape: orNull(open({ kind: text, name: text, part: orNull(whole), label: text, value: orNull(number()), point, text })),
   }),
+  layer_rows: open({
+    rows: list(
+      open({
+        kind: oneOf("map", "channel", "look", "table"), colors: text, window: orNull(pair), threshold: orNull(number()), gamma: number(0), is_automatic: flag,
+      }),
+    ),
+    maps: list(text),
+  }),
+  layer_change: open({ operations }),
   preset: open({ look }),
   preset_picture: bytes,
   framed: open({ camera }),

@@ -24,7 +24,7 @@ from wavesplat._scene.scene import names_by_themselves
 from wavesplat._storage import json_texts
 from wavesplat._system.threads import collected_notes
 from wavesplat._system.values import described, whole
-from wavesplat._viewer.page_requests import code, export_html
+from wavesplat._viewer.page_requests import code, export_html, layer_rows
 from wavesplat._viewer.page_requests.code import USUAL, short_document
 from wavesplat._viewer.page_requests.measuring import label_statistics, region_statistics
 from wavesplat._viewer.page_requests.seen import Shown, check_shown, name_of, seen
@@ -340,6 +340,15 @@ def _chosen(state: ViewerState, layer: int, name: str) -> Look:
         return Look.auto(volume) if name.lower() == "auto" else presets.preset(name, volume)
 
 
+def _layer_rows(state: ViewerState, _: Mapping[str, Any], __: Progress) -> Answer:
+    return layer_rows.rows(state), b""
+
+
+def _layer_change(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
+    layer = _whole(arguments, "layer", 0, len(state.scene.layers) - 1)
+    return layer_rows.answer_change(state, layer, arguments), b""
+
+
 def _preset_picture(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:
     layer = _whole(arguments, "layer", 0, len(state.scene.layers) - 1)
     size = _whole(arguments, "size", 16, 512)
@@ -439,6 +448,8 @@ ANSWERS: dict[str, Callable[[ViewerState, Mapping[str, Any], Progress], Answer]]
     "label_statistics": _label_statistics,
     "pick": _pick,
     "shape": _shape,
+    "layer_rows": _layer_rows,
+    "layer_change": _layer_change,
     "preset": _preset,
     "preset_picture": _preset_picture,
     "framed": _framed,

@@ -1,0 +1,127 @@
+"""Rows of the page's list of layers: what they read from a look, and that what they set is what the library makes."""
+
+import json
+
+import numpy as np
+import pytest
+
+import wavesplat as ws
+from wavesplat._looks import look_files
+from wavesplat._viewer.page_requests import questions
+from wavesplat._viewer.session.state import ViewerState
+from wavesplat.errors import ArgumentError
+
+
+def ball(high, **options):
+    places = np.indices((16, 18, 20)) - np.array([8, 9, 10]).reshape(3, 1, 1, 1)
+    samples = (0.5 + high * np.exp(-(places**2).sum(axis=0) / 20)).astype("float32")
+    return ws.Volume(samples, **options)
+
+
+@pytest.fixture(scope="module")
+def over():
+    """A grey volume with another one over it."""
+    return ViewerState.of(
+        ws.Scene([ws.Layer(ball(100.0, anatomical=True), "grey"), ws.Layer(ball(9.0, anatomical=True))])
+    )
+
+
+def rows(state):
+    return questions.answer_of(state, "layer_rows", {})[0]["rows"]
+
+
+def changed(state, layer, **wanted):
+    told, _ = questions.answer_of(state, "layer_change", {"layer": layer, **wanted})
+    return state.patched(told["operations"])
+
+
+def fields(look):
+    return json.loads(json.dumps(look_files.fields_of(look)))
+
+
+def test_a_window_and_a_threshold_that_are_typed_make_the_look_of_the_command(over):
+    state = changed(changed(changed(over, 1, window=[2, None]), 1, window=[None, 8]), 1, threshold=2)
+    expected = ws.Layer.overlay(over.scene.layers[1].volume, "hot", (2, 8), threshold=2)
+    assert state.document["layers"][1]["look"] == fields(expected.look)
+    row = rows(state)[1]
+    assert row == {
+        "kind": "map", "colors": "hot", "window": [2, 8], "threshold": 2, "gamma": 1, "is_automatic": False,
+    }  # fmt: skip
+    # The other layer is as it was.
+    assert state.document["layers"][0] == over.document["layers"][0]
+
+
+def test_the_automatic_look_of_a_layer_over_another_one_is_the_map_that_it_has(over):
+    row = rows(over)[1]
+    assert (row["kind"], row["colors"], row["is_automatic"]) == ("map", "hot", True)
+
+
+@pytest.mark.parametrize("name", ["viridis", "coolwarm"])
+def test_a_gamma_moves_the_colours_of_a_map_and_is_read_again(over, name):
+    plain = changed(changed(over, 1, colors=name), 1, window=[-8, 8])
+    state = changed(plain, 1, gamma=0.5)
+    row = rows(state)[1]
+    assert (row["colors"], row["window"], row["gamma"]) == (name, [-8, 8], 0.5)
+    before, after = (one.document["layers"][1]["look"]["transfer_function"] for one in (plain, state))
+    # A quarter of the way has the colour of a half.
+    value = np.interp(-4, [node[0] for node in after["color"]], [node[2] for node in after["color"]])
+    assert value == pytest.approx(
+        np.interp(0, [node[0] for node in before["color"]], [node[2] for node in before["color"]]), abs=1e-3
+    )
+    assert after["opacity"] == before["opacity"]
+    assert changed(state, 1, gamma=1).document == plain.document
+    assert rows(changed(state, 1, auto=True))[1]["is_automatic"]
+
+
+def test_percentiles_are_those_of_the_samples(over):
+    state = changed(over, 1, window=["5%", "99%"])
+    samples = over.scene.layers[1].volume.samples
+    assert rows(state)[1]["window"] == pytest.approx(np.percentile(samples, [5, 99]).tolist())
+
+
+def test_the_window_of_the_first_layer_is_that_of_slices_too(over):
+    state = changed(over, 0, window=[20, 60])
+    assert state.view["slices"]["window"] == [40, 40]
+    assert rows(state)[0]["window"] == [20, 60]
+    back = changed(state, 0, auto=True)
+    assert "window" not in back.view["slices"]
+    assert rows(back)[0] == rows(over)[0]
+
+
+def test_a_projection_of_one_volume_stays_one_with_another_map():
+    state = ViewerState.of(ws.Scene([ws.Layer(ball(9.0, anatomical=True), "pet")]))
+    assert state.options["composite"] == "maximum"
+    state = changed(state, 0, colors="viridis")
+    assert (state.options["composite"], state.document["layers"][0]["look"]["composite"]) == ("maximum", "maximum")
+    assert rows(state)[0]["colors"] == "viridis"
+
+
+def test_channels_have_the_colours_of_their_dyes_and_settings_of_their_own():
+    names = ["DAPI", "GFP", "mCherry"]
+    facts = [ws.Facts(channel=ws.Channel(name)) for name in names]
+    state = ViewerState.of(ws.Scene([ws.Layer(ball(500.0, facts=one)) for one in facts]))
+    found = rows(state)
+    assert [row["kind"] for row in found] == ["channel"] * 3
+    blue, green, red = (int(row["colors"][1:], 16) for row in found)
+    assert (blue & 0xFF, green, red >> 16) == (0xFF, 0x00FF00, 0xFF)
+    # Many steps, as of a slider that is dragged, are as good as one, and add no nodes.
+    state = changed(state, 1, window=[10, 300])
+    for gamma in (0.9, 0.8, 0.7, 0.6):
+        state = changed(state, 1, gamma=gamma)
+    row = rows(state)[1]
+    assert (row["window"], row["colors"], row["gamma"]) == ([10, 300], "#00ff00", pytest.approx(0.6))
+    assert len(state.document["layers"][1]["look"]["transfer_function"]["color"]) < 40
+    assert rows(changed(state, 1, colors="#ff0000"))[1]["colors"] == "#ff0000"
+    assert rows(changed(state, 1, auto=True))[1] == found[1]
+
+
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        {"colors": "no-such-map"}, {"window": [8, 2]}, {"window": [1]}, {"window": ["a", 2]}, {"gamma": 0},
+        {"gamma": "1"}, {"threshold": "2"}, {"auto": 1}, {"blend": "over"}, {"colors": ""},
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused(over, wanted):
+    with pytest.raises(ArgumentError):
+        changed(over, 1, **wanted)

@@ -1,0 +1,337 @@
+"""Rows of the page's list of layers: colours, window, threshold and gamma, read from a look and set in it.
+
+A look is that of a colour map if the map's name, with the window, threshold and gamma that its nodes show, makes the
+very same look (`Layer.overlay`, `Look.changed`); of a channel, if it gives light of one colour. Any other one has a
+window that its nodes are moved by, and may be replaced by a colour map. Slices show the first layer, unless it is a
+channel, over a window of their own, which its row sets too.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from math import log
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from wavesplat import _native
+from wavesplat._looks import look_files, presets
+from wavesplat._looks.curves.transfer_function import TransferFunction
+from wavesplat._looks.curves.value_scale import values_of
+from wavesplat._looks.kinds import channels, histogram, overlays
+from wavesplat._looks.kinds.channel_light import light_of
+from wavesplat._looks.look import Look
+from wavesplat._system.threads import collected_notes
+from wavesplat._system.values import described, positive
+from wavesplat._viewer.session.state import ViewerState
+from wavesplat._viewer.slices.first_slices import has_channels
+from wavesplat._viewer.slices.slice_view import window_of
+from wavesplat.errors import ArgumentError, WavesplatError
+
+Kind: TypeAlias = Literal["map", "channel", "look", "table"]
+Window: TypeAlias = tuple[float, float]
+
+#: Colour maps that the page offers; any other name may be typed.
+OFFERED = (
+    *("hot", "gray", "viridis", "magma", "inferno", "plasma", "turbo", "jet"),
+    *("winter", "summer", "cool", "Reds", "Greens", "Blues", "coolwarm"),
+)
+#: Colour maps of slices, which have no other ones.
+OF_SLICES = ("gray", "gray_r", "hot", "viridis", "coolwarm")
+#: Largest relative difference of gammas, and of values, that count as the same.
+SAME = 1e-9
+#: Decimals of a gamma that is read from nodes.
+GAMMA_DECIMALS = 6
+
+
+@dataclass(frozen=True)
+class Row:
+    """The settings of a layer's look that its row shows.
+
+    colors : name of the colour map, or the colour #rrggbb of a channel; "" of other looks.
+    window : values of the first and the last colour; on slices of the first layer, black and white; None without any.
+    is_automatic : whether the window is the one that the data suggest.
+    """
+
+    kind: Kind
+    colors: str = ""
+    window: Window | None = None
+    threshold: float | None = None
+    gamma: float = 1.0
+    is_automatic: bool = False
+
+    def as_json(self) -> dict[str, Any]:
+        """The fields of `LayerRow` in `web/src/engine/engine.ts`."""
+        return {
+            "kind": self.kind,
+            "colors": self.colors,
+            "window": None if self.window is None else list(self.window),
+            "threshold": self.threshold,
+            "gamma": self.gamma,
+            "is_automatic": self.is_automatic,
+        }
+
+
+def row_of(state: ViewerState, number: int) -> Row:
+    """The row of a layer, as its look and the slices are now."""
+    layer = state.scene.layers[number]
+    row = _row(layer.look, layer.looked_at) if isinstance(layer.look, Look) else Row("table")
+    if not _is_on_window(state, number):
+        return row
+    level, width = window_of(state)
+    is_automatic = "window" not in state.view["slices"]
+    return Row(row.kind, row.colors, (level - width / 2, level + width / 2), row.threshold, row.gamma, is_automatic)
+
+
+def changes(state: ViewerState, number: int, wanted: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Changes of the state (JSON Patch) that set fields of a layer's row.
+
+    wanted : `colors`, `window` of numbers, percentiles or None, which leaves an end as it is, `threshold` or None,
+    `gamma`; or `auto`, the window and gamma that the data suggest.
+
+    Raises
+    ------
+    ArgumentError
+        If a field cannot be, or the look has none such.
+    """
+    layer = state.scene.layers[number]
+    volume = layer.looked_at
+    if not isinstance(layer.look, Look):
+        raise ArgumentError(f"layer {layer.name!r} has no look that could be changed")
+    wanted = dict(wanted)
+    if (window := wanted.get("window")) is not None:
+        now = row_of(state, number).window or (None, None)
+        ends: Any = [end if given is None else given for given, end in zip(window, now, strict=True)]
+        with collected_notes():
+            wanted["window"] = values_of(ends, volume)
+    look = _look_with(layer.look, volume, wanted, is_alone=len(state.scene.layers) == 1)
+    operations = []
+    if look is not layer.look:
+        fields = json.loads(json.dumps(look_files.fields_of(look)))
+        operations.append(_set(f"/layers/{number}/look", fields))
+    if _is_on_window(state, number):
+        operations += _on_slices(state, wanted)
+    return operations
+
+
+def _is_on_window(state: ViewerState, number: int) -> bool:
+    """Whether slices show a layer over their own window."""
+    return number == 0 and not has_channels(state.scene)
+
+
+def _on_slices(state: ViewerState, wanted: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Changes of the window and the colours of slices."""
+    operations: list[dict[str, Any]] = []
+    if wanted.get("auto"):
+        operations += [{"op": "remove", "path": "/view/slices/window"}] if "window" in state.view["slices"] else []
+    elif (window := wanted.get("window")) is not None:
+        low, high = window
+        operations.append(_set("/view/slices/window", [(low + high) / 2, high - low]))
+    if wanted.get("colors") in OF_SLICES:
+        operations.append(_set("/view/slices/colors", wanted["colors"]))
+    return operations
+
+
+def _set(path: str, value: Any) -> dict[str, Any]:
+    return {"op": "add", "path": path, "value": value}
+
+
+def _row(look: Look, volume: Any) -> Row:
+    """The row of a look, without slices."""
+    function = look.transfer_function
+    if look.labels is not None or not isinstance(function, TransferFunction):
+        return Row("table")
+    ends = function.color[0][0], function.color[-1][0]
+    light = light_of(look)
+    if light is not None:
+        automatic = channels.channel_window(volume)[:2]
+        color = "#" + "".join(f"{round(255 * share):02x}" for share in light.color)
+        gamma = _gamma(light.curve, (light.low, light.high))
+        return Row("channel", color, ends, None, gamma, _are_same(ends, automatic))
+    if (found := _map_of(look, volume)) is not None:
+        return found
+    return Row("look", "", _native.window_of(function.opacity, function.color))
+
+
+def _map_of(look: Look, volume: Any) -> Row | None:
+    """The row of a look that a colour map makes; None of other looks."""
+    function = look.transfer_function
+    assert isinstance(function, TransferFunction)
+    # The automatic look of a layer over another one has a colour map too.
+    names = (*overlays.OVERLAY_MAPS, overlays.TWO_SIGNS) if look.name == "auto" else (look.name,)
+    is_preset = look.name != "auto" and presets.plain(look.name) in {presets.plain(one) for one in presets.names()}
+    for name in () if is_preset or not look.name or len(function.color) < 2 else names:
+        for window in (None, *_windows_of(function)):
+            for threshold in (None, *_thresholds_of(function)):
+                try:
+                    with collected_notes():
+                        made = overlays.overlay(volume, name, window, threshold)
+                except WavesplatError:
+                    continue
+                gamma = _gamma_between(made.transfer_function, function)
+                if gamma is not None:
+                    shown = window or (function.color[0][0], function.color[-1][0])
+                    return Row("map", name, shown, threshold, gamma, window is None and threshold is None)
+    return None
+
+
+def _windows_of(function: TransferFunction) -> list[Window]:
+    """The windows that a map with these nodes may have: its ends, or of two signs what is clear and opaque."""
+    (low, *_), (high, *_) = function.color[0], function.color[-1]
+    clear = max((value for value, alpha in function.opacity if alpha == 0), default=low)
+    return [one for one in ((low, high), (clear, high)) if one[0] < one[1]]
+
+
+def _thresholds_of(function: TransferFunction) -> list[float]:
+    """The threshold of steps from clear to opaque; none of other curves."""
+    values = [value for value, _ in function.opacity]
+    alphas = [alpha for _, alpha in function.opacity]
+    is_step = alphas[-2:] == [0.0, 1.0] and len(values) in (2, 4) and values[-1] == values[-2]
+    return [values[-1]] if is_step else []
+
+
+def _gamma_between(plain: Any, function: TransferFunction) -> float | None:
+    """The gamma that moves the colours of one function to those of the other; None where none does."""
+    if not isinstance(plain, TransferFunction) or not _are_alike(plain.opacity, function.opacity):
+        return None
+    if _are_alike(plain.color, function.color):
+        return 1.0
+    low, high = plain.color[0][0], plain.color[-1][0]
+    if len(plain.color) != len(function.color) or (low, high) != (function.color[0][0], function.color[-1][0]):
+        return None
+    k = len(plain.color) // 2
+    before, after = ((one.color[k][0] - low) / (high - low) for one in (plain, function))
+    if not (0 < before < 1 and 0 < after < 1):
+        return None
+    gamma = round(log(before) / log(after), GAMMA_DECIMALS)
+    return gamma if _are_alike(_bent(plain, gamma).color, function.color) else None
+
+
+def _bent(function: TransferFunction, gamma: float) -> TransferFunction:
+    """The colours of a map moved by a gamma, as `TransferFunction.from_colormap` moves them, in as many nodes."""
+    nodes = np.array(function.color)
+    low, high = float(nodes[0, 0]), float(nodes[-1, 0])
+    color = _native.map_nodes((nodes[:, 0] - low) / (high - low), nodes[:, 1:].copy(), (low, high, False, gamma))
+    return TransferFunction(function.opacity, color, function.opacity_unit, function.gradient_opacity)
+
+
+def _gamma(curve: TransferFunction, ends: Window) -> float:
+    """The gamma of the light of a channel, by the node in its middle."""
+    inner = [node for node in curve.color if ends[0] < node[0] < ends[1]]
+    if not inner or (most := max(max(node[1:]) for node in curve.color)) == 0:
+        return 1.0
+    node = inner[len(inner) // 2]
+    share, place = max(node[1:]) / most, (node[0] - ends[0]) / (ends[1] - ends[0])
+    return round(log(share) / log(place), GAMMA_DECIMALS) if 0 < share < 1 else 1.0
+
+
+def _are_alike(one: Any, other: Any) -> bool:
+    return len(one) == len(other) and all(_are_same(a, b) for a, b in zip(one, other, strict=True))
+
+
+def _are_same(one: Any, other: Any) -> bool:
+    return all(abs(a - b) <= SAME * max(1.0, abs(a), abs(b)) for a, b in zip(one, other, strict=True))
+
+
+def _look_with(look: Look, volume: Any, wanted: Mapping[str, Any], *, is_alone: bool) -> Look:
+    """The look with the wanted fields of its row set."""
+    row = _row(look, volume)
+    if wanted.get("auto"):
+        return _automatic(look, row, volume)
+    colors, window = wanted.get("colors", row.colors), wanted.get("window")
+    gamma = wanted.get("gamma", row.gamma)
+    if row.kind == "table":
+        raise ArgumentError("the look is a table or of labels, which has no window; choose another look first")
+    if row.kind != "map" and wanted.get("threshold") is not None and colors == row.colors:
+        if row.kind == "channel":
+            raise ArgumentError("what is below the window of a channel is hidden; set the window")
+        colors = overlays.TWO_SIGNS if volume.value_range[0] < 0 else overlays.OVERLAY_MAPS[0]
+        window = window or row.window
+    if row.kind != "map" and colors == row.colors:
+        if window is not None and row.window is not None:
+            look = look.changed(window=window)
+        if gamma == row.gamma:
+            return look
+        # Of a channel from the beginning, since each change of gamma divides the nodes.
+        return (_plain_channel(look, volume) if row.kind == "channel" else look).changed(gamma=gamma)
+    # The window of a look that is no map means something else, such as values of bone.
+    kept = window or (None if row.is_automatic or row.kind == "look" else row.window)
+    with collected_notes():
+        made = overlays.overlay(volume, colors, kept, wanted.get("threshold", row.threshold))
+    if is_alone and look.composite in histogram.PROJECTIONS:
+        made = replace(made, composite=look.composite, background=look.background)
+    return _with_gamma(made, gamma)
+
+
+def _with_gamma(look: Look, gamma: float) -> Look:
+    """A look that was made for a row, with a gamma."""
+    function = look.transfer_function
+    if gamma == 1 or not isinstance(function, TransferFunction):
+        return look
+    if light_of(look) is not None:
+        return look.changed(gamma=gamma)
+    positive(gamma, "gamma", "a positive number, 1 changes nothing")
+    return replace(look, transfer_function=_bent(function, gamma))
+
+
+def _plain_channel(look: Look, volume: Any) -> Look:
+    """The look of a channel without its gamma."""
+    light = light_of(look)
+    assert light is not None
+    made = channels.channel_look(volume, light.color, (light.low, light.high), look.composite)
+    return replace(look, transfer_function=made.transfer_function, name="channel")
+
+
+def _automatic(look: Look, row: Row, volume: Any) -> Look:
+    """The look with the window that the data suggest, without gamma and threshold."""
+    if row.kind == "channel":
+        window = channels.channel_window(volume)[:2]
+        return _plain_channel(look, volume).changed(window=window)
+    if row.kind == "map":
+        with collected_notes():
+            return overlays.overlay(volume, row.colors, None)
+    return look
+
+
+# Answers to the page's questions.
+
+
+def rows(state: ViewerState) -> dict[str, Any]:
+    """The rows of all layers, and the colour maps that are offered."""
+    return {"rows": [row_of(state, n).as_json() for n in range(len(state.scene.layers))], "maps": list(OFFERED)}
+
+
+def answer_change(state: ViewerState, number: int, arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """The changes for a row, whose fields are checked."""
+    wanted: dict[str, Any] = {}
+    for name, value in arguments.items():
+        if name == "layer":
+            continue
+        if name not in CHECKS or not CHECKS[name](value):
+            raise ArgumentError(
+                f"layer_change: {name} is {described(value)}; {NEEDED.get(name, 'there is no such field')}"
+            )
+        wanted[name] = value
+    return {"operations": changes(state, number, wanted)}
+
+
+def _is_end(value: Any) -> bool:
+    return value is None or _native.is_number(value) or (isinstance(value, str) and len(value) <= 32)
+
+
+CHECKS: dict[str, Callable[[Any], bool]] = {
+    "colors": lambda value: isinstance(value, str) and 0 < len(value) <= 100,
+    "window": lambda value: isinstance(value, list) and len(value) == 2 and all(map(_is_end, value)),
+    "threshold": lambda value: value is None or _native.is_number(value),
+    "gamma": _native.is_number,
+    "auto": lambda value: isinstance(value, bool),
+}
+NEEDED = {
+    "colors": "give the name of a colour map, or a colour",
+    "window": 'give two numbers, or percentiles such as "1%"; null leaves an end as it is',
+    "threshold": "give a number, or null",
+    "gamma": "give a positive number",
+    "auto": "give true or false",
+}

@@ -14,6 +14,10 @@ N ?= 100
 BALLS ?= 3
 WASM := wasm32-unknown-unknown
 WASI := wasm32-wasip1
+MODULE_PROFILE ?= checkout
+# Most bytes of the module, as it is and by gzip: measured on 2026-11-29, and a tenth.
+MODULE_BYTES := 2750000 880000
+TARGET := $(or $(CARGO_TARGET_DIR),$(CURDIR)/target)
 ARM := aarch64-unknown-linux-gnu
 OTHERS := x86_64-pc-windows-gnu aarch64-apple-darwin
 RUST_TESTS := cargo test --locked --profile checkout --workspace --no-default-features --no-fail-fast
@@ -44,13 +48,13 @@ SHELL := $(CURDIR)/.ci/timed-shell
 .SHELLFLAGS = '$@' -c
 
 .DELETE_ON_ERROR:
-.PHONY: advisories bench bench-gpu bench-layers bench-psnr bench-qualities bench-shapes bench-threads bench-usual bench-viewer \
+.PHONY: advisories bench bench-gpu bench-layers bench-psnr bench-qualities bench-shapes bench-threads bench-usual bench-viewer bench-wasm \
 	brain-oracle browser-test browser-test-all check clean concepts crates cross-check demo dev edges extras-check face fixtures fmt \
 	fuzz gallery gallery-check golden help instructions kernels kernels-anew licences licences-anew looks looks-beside-napari \
 	looks-beside-pyvista looks-beside-vtk memcheck miri nightly page-package passed pictures python-lint python-test \
 	python-test-all quality random-functions random-scenes readme references release-check release-lint roofline rust-docs rust-lint \
 	rust-test rust-test-asserted sbom scene-hashes sdist site site-test spelling stubs study study-cuts study-lod \
-	study-wavelets test test-arm test-napari viewer-pictures wasm-kernels web web-check wheel wheels
+	study-wavelets test test-arm test-napari viewer-pictures wasm wasm-check wasm-kernels wasm-test web web-check wheel wheels
 
 help: ## list the recipes
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -69,12 +73,13 @@ check: ## all that CI asks for of a change; the rest is in `make nightly`
 	@# Linters of Rust and of Python run beside each other, tests do not: they have limits of time, and use both cores themselves.
 	status=0; \
 	$(MAKE) --no-print-directory -j2 $(SYNC) --keep-going rust-lint python-lint stubs spelling gallery-check licences shaders kernels wasm-kernels web-check || status=2; \
-	$(MAKE) --no-print-directory -j1 --keep-going test readme browser-test || status=2; \
+	$(MAKE) --no-print-directory -j1 --keep-going test wasm-check readme browser-test || status=2; \
 	exit $$status
 
 nightly: ## all checks in full, an hour and more: every case, reference pictures drawn anew, ARM, memcheck, counted instructions, other systems
 	$(MAKE) --no-print-directory -j1 --keep-going rust-lint rust-test-asserted rust-docs cross-check python-lint stubs spelling gallery-check licences-anew shaders-anew kernels-anew wasm-kernels \
-		python-test-all readme web-check browser-test-all site
+		wasm python-test-all readme web-check browser-test-all site
+	$(MAKE) --no-print-directory wasm-check MODULE_PROFILE=module
 
 dev: $(STAMPS)/tools ## install what tests and linters need into the checkout's environment
 
@@ -328,7 +333,7 @@ rust-lint: $(STAMPS)/venv
 	@rustup target list --installed 2>/dev/null | grep -qx $(WASM) || rustup target add $(WASM) >/dev/null 2>&1 || \
 		echo "nothing is compiled for browsers: the standard library of $(WASM) is not there and cannot be fetched"
 	cargo clippy --locked --profile checkout $$(rustup target list --installed 2>/dev/null | grep -x $(WASM) | sed 's/^/--target /') \
-		-p wavesplat-splat -p wavesplat-wavelet -p wavesplat-lod -p wavesplat-files -p wavesplat-look -p wavesplat-view -p wavesplat-document -p wavesplat --no-default-features -- -D warnings
+		-p wavesplat-splat -p wavesplat-wavelet -p wavesplat-lod -p wavesplat-files -p wavesplat-look -p wavesplat-view -p wavesplat-document -p wavesplat-wasm -p wavesplat --no-default-features -- -D warnings
 
 # For the system of WebAssembly that has an output, which tests write their lines to.
 wasm-kernels: export CARGO_TARGET_WASM32_WASIP1_RUNNER := node $(CURDIR)/.ci/run_wasi.mjs
@@ -337,6 +342,27 @@ wasm-kernels: ## test the vectors of WebAssembly in Node
 	if ! rustup target list --installed 2>/dev/null | grep -qx $(WASI) && ! rustup target add $(WASI) >/dev/null 2>&1; then \
 		echo "the vectors of WebAssembly are not tested: the standard library of $(WASI) is not there and cannot be fetched"; exit 0; fi; \
 	cargo test --locked --profile checkout --target $(WASI) -p wavesplat-compute --no-default-features --lib
+
+# As it travels: optimised across crates, without names; minutes. Tests take the profile of all others.
+wasm: ## build the renderer as a module of WebAssembly, .cache/wasm/module.wasm, and hold its size
+	@$(MAKE) --no-print-directory -j1 MODULE_PROFILE=module .cache/wasm/module.wasm
+	@raw=$$(wc -c < .cache/wasm/module.wasm); packed=$$(gzip -9 -c .cache/wasm/module.wasm | wc -c); \
+	echo "the module has $$raw bytes, $$packed by gzip; the limits are $(MODULE_BYTES)"; \
+	set -- $(MODULE_BYTES); [ $$raw -le $$1 ] && [ $$packed -le $$2 ]
+
+wasm-test: ## hold the module in Node to Python's kept answers, and to the same code for this processor
+	@command -v node >/dev/null || { echo "wasm-test needs Node 20" >&2; exit 1; }
+	$(MAKE) --no-print-directory -j1 MODULE_PROFILE=$(MODULE_PROFILE) .cache/wasm/$(MODULE_PROFILE).wasm .cache/wasm/documents.jsonl web/node_modules
+	cargo build --locked --profile checkout --workspace --no-default-features --example twin
+	cd web && WAVESPLAT_MODULE=$(CURDIR)/.cache/wasm/$(MODULE_PROFILE).wasm WAVESPLAT_TWIN=$(TARGET)/checkout/examples/twin \
+		WAVESPLAT_DOCUMENTS=$(CURDIR)/.cache/wasm/documents.jsonl WAVESPLAT_SCRATCH=$(CURDIR)/.cache/wasm npm run --silent wasm
+
+wasm-check: ## the same; left out without Node
+	@command -v node >/dev/null || { echo "wasm-check is left out: there is no Node"; exit 0; }; $(MAKE) --no-print-directory wasm-test
+
+bench-wasm: $(STAMPS)/package wasm ## time frames by the module in Node beside the same code with SSE2 and AVX2; BENCH_WASM=--record keeps them
+	cargo build --locked --profile checkout --workspace --no-default-features --example twin
+	python benches/wasm.py --module .cache/wasm/module.wasm --twin $(TARGET)/checkout/examples/twin $(BENCH_WASM)
 
 rust-docs: $(STAMPS)/venv
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --quiet
@@ -458,6 +484,16 @@ $(STAMPS)/released: $(NATIVE_SOURCES) | $(STAMPS)/package
 $(STAMPS)/lab: pyproject.toml | $(STAMPS)/tools
 	$(BIN)/pip install --quiet "jupyterlab>=4.4"
 	@touch $@
+
+.cache/wasm/$(MODULE_PROFILE).wasm: $(NATIVE_SOURCES)
+	@rustup target list --installed 2>/dev/null | grep -qx $(WASM) || rustup target add $(WASM)
+	cargo build --locked --profile $(MODULE_PROFILE) --target $(WASM) -p wavesplat-wasm
+	@mkdir -p .cache/wasm
+	cp $(TARGET)/$(WASM)/$(MODULE_PROFILE)/wavesplat_wasm.wasm $@
+
+.cache/wasm/documents.jsonl: python/tests/fixtures/brain/documents.jsonl.xz
+	@mkdir -p .cache/wasm
+	$(PYTHON) -c 'import lzma, sys; sys.stdout.buffer.write(lzma.open("$<").read())' > $@
 
 web/node_modules: web/package-lock.json
 	cd web && npm ci --silent --no-audit --no-fund

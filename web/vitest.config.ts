@@ -8,6 +8,8 @@ export default defineConfig({
   test: {
     projects: [
       { extends: true, test: { name: "unit", include: ["tests/**/*.test.ts", "tests/**/*.test.tsx"], environment: "node" } },
+      // The module in Node, by `make wasm-test`, which builds it.
+      { extends: true, test: { name: "wasm", include: ["wasm/**/*.test.ts"], environment: "node", testTimeout: 60_000 } },
       {
         extends: true,
         test: {

@@ -134,6 +134,11 @@ pub fn use_simd(name: &str) -> std::result::Result<(), String> {
     wavesplat_compute::simd::Level::choose(name).map(|_| ())
 }
 
+/// The SIMD level that pictures are drawn with.
+pub fn simd_in_use() -> &'static str {
+    wavesplat_compute::simd::Level::best().name()
+}
+
 /// Vectors and matrices of this crate's interface.
 pub use glam;
 pub use wavesplat_compute::parallel::after_fork;

@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use glam::DVec3;
 use wavesplat_core::{Camera, Facts, Result, Volume};
 use wavesplat_look::{DataKind, FoundKind, HISTOGRAM_SAMPLES, step_for};
-use wavesplat_view::{FILLED, Fit, InView, SomeSamples, Stack, grid_corners};
+use wavesplat_view::{FILLED, Fit, InView, Pose, SomeSamples, Stack, grid_corners};
 
 use crate::kind::{is_of_patient, is_upright, kind_of};
 use crate::scene::{Scene, SceneLayer, SceneVolume};
@@ -13,7 +13,8 @@ use crate::scene::{Scene, SceneLayer, SceneVolume};
 /// Largest number of samples that are looked at to find what a look shows.
 const N_SAMPLES_MAX: usize = 500_000;
 
-/// Orthographic cameras around volumes and scenes; for perspective, turns and more see [`InView`].
+/// Orthographic cameras around volumes and scenes, and their [`Pose`]s, which can be turned and written down; for
+/// perspective and more see [`InView`].
 ///
 /// ```
 /// use wavesplat::glam::DAffine3;
@@ -55,8 +56,18 @@ pub trait PlacedCamera: Sized {
 
 impl PlacedCamera for Camera {
     fn orbit(volume: &Volume<'_>, azimuth_deg: f64, elevation_deg: f64, aspect: f64) -> Result<Self> {
+        Pose::orbit(volume, azimuth_deg, elevation_deg, aspect)?.camera()
+    }
+
+    fn fit(scene: &Scene<'_>, facts: &Facts, aspect: f64) -> Result<Self> {
+        Pose::fit(scene, facts, aspect)?.camera()
+    }
+}
+
+impl PlacedCamera for Pose {
+    fn orbit(volume: &Volume<'_>, azimuth_deg: f64, elevation_deg: f64, aspect: f64) -> Result<Self> {
         let corners = grid_corners(volume.grid());
-        InView::around(&corners).aspect(aspect).orbit(azimuth_deg, elevation_deg, Fit::View)?.camera()
+        InView::around(&corners).aspect(aspect).orbit(azimuth_deg, elevation_deg, Fit::View)
     }
 
     fn fit(scene: &Scene<'_>, facts: &Facts, aspect: f64) -> Result<Self> {
@@ -77,12 +88,7 @@ impl PlacedCamera for Camera {
         };
         let corners: Vec<DVec3> = scene.layers.iter().flat_map(|layer| grid_corners(layer.volume.grid())).collect();
         let points: Vec<DVec3> = scene.layers.iter().flat_map(shown_of).collect();
-        InView::around(&corners)
-            .points(&points)
-            .zoom(FILLED)
-            .aspect(aspect)
-            .orbit(azimuth, elevation, Fit::View)?
-            .camera()
+        InView::around(&corners).points(&points).zoom(FILLED).aspect(aspect).orbit(azimuth, elevation, Fit::View)
     }
 }
 

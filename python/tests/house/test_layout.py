@@ -139,6 +139,7 @@ ROOMS = {
         "bytes",
         "png",
     ],
+    "crates/wasm/src": ["requests", "documents", "opened", "questions", "abi"],
 }
 #: Rooms beside each other after all of these; nothing imports from them. `lib` is the root of a crate with its
 #: re-exports: inside a crate everything is imported from where it is defined.
@@ -155,6 +156,7 @@ LEAVES = {
     "crates/view/src": ["lib"],
     "crates/document/src": ["lib"],
     "crates/wavesplat/src": ["lib"],
+    "crates/wasm/src": ["lib"],
 }
 
 #: Modules of Python that import each other, some of them inside functions: a class, and the files that its methods are

@@ -1,0 +1,355 @@
+//! A volume, its look, its camera, and its last picture.
+
+use serde_json::{Value, json};
+use wavesplat::document::{CameraDocument, CurvesDocument, LensField, LookDocument, ValueNode};
+use wavesplat::files::{self, FileVolume};
+use wavesplat::glam::{DAffine3, DMat3, DVec3};
+use wavesplat::look::FoundKind;
+use wavesplat::view::{Fit, InView, Lens, Pose, grid_corners};
+use wavesplat::{
+    ColorNode, Composite, Effort, Facts, FrameOptions, GradientNode, Kernel, Look, OpacityNode, Picture, PlacedCamera,
+    Plane, Quality, Reduction, SampleBuffer, Samples, Scene, Shading, ThickSlab, TransferFunction, Volume, kind_of,
+    straight_bytes,
+};
+
+use crate::requests::{counts, number, numbers, text};
+
+/// Operators of looks without numbers of their own.
+const OPERATORS: [(&str, Composite); 5] = [
+    ("over", Composite::Over),
+    ("maximum", Composite::Maximum),
+    ("minimum", Composite::Minimum),
+    ("mean", Composite::Mean),
+    ("sum", Composite::Sum),
+];
+
+/// A volume, its look, its camera, and its last picture.
+pub struct OpenedVolume {
+    file: &'static FileVolume,
+    volume: Volume<'static>,
+    /// The scene and its operator, once there is a look.
+    scene: Option<(Scene<'static>, Composite)>,
+    pose: Option<Pose>,
+    picture: Option<Picture>,
+}
+
+/// Any error as its message.
+#[allow(clippy::needless_pass_by_value, reason = "map_err gives errors away")]
+fn message(error: impl ToString) -> String {
+    error.to_string()
+}
+
+impl OpenedVolume {
+    /// The volume of a NIfTI or NRRD file.
+    ///
+    /// # Errors
+    ///
+    /// The reader's message, or the renderer's for a volume that cannot be drawn.
+    pub fn read(name: &str, bytes: &[u8]) -> Result<Self, String> {
+        let other = |file: &str| Err(format!("the samples are in another file, {file}; give a file that holds them"));
+        Self::of(files::read(name, bytes, other).map_err(message)?)
+    }
+
+    /// The volume of samples. `head`: JSON of `name`, `type` as NumPy names it, `size` along x, y and z,
+    /// `world_from_index` as rows of 3 x 4, and `facts`, some of the texts `unit`, `modality`, `value_unit` and
+    /// `quantity`, and `is_anatomical`. `bytes`: little-endian, x fastest.
+    ///
+    /// # Errors
+    ///
+    /// A message that names the field, or the renderer's.
+    pub fn of_samples(head: &Value, bytes: Vec<u8>) -> Result<Self, String> {
+        let rows: [[f64; 4]; 3] = {
+            let given = &head["world_from_index"];
+            let row = |at: usize| numbers(&given[at], "world_from_index");
+            [row(0)?, row(1)?, row(2)?]
+        };
+        let column = |at: usize| DVec3::from_array(rows.map(|row| row[at]));
+        let fact = |name: &str| match head["facts"].get(name).filter(|given| !given.is_null()) {
+            None => Ok(None),
+            Some(given) => given
+                .as_str()
+                .map(|fact| Some(fact.to_owned()))
+                .ok_or_else(|| format!("fact '{name}' is {given}; give a text")),
+        };
+        let facts = Facts {
+            name: text(head, "name", "")?.to_owned(),
+            unit: fact("unit")?,
+            is_anatomical: head["facts"]["is_anatomical"] == true,
+            modality: fact("modality")?,
+            value_unit: fact("value_unit")?,
+            quantity: fact("quantity")?,
+            ..Facts::default()
+        };
+        Self::of(FileVolume {
+            size: counts(&head["size"], "size")?,
+            world_from_index: DAffine3::from_mat3_translation(
+                DMat3::from_cols(column(0), column(1), column(2)),
+                column(3),
+            ),
+            facts,
+            buffer: buffer(text(head, "type", "")?, bytes)?,
+        })
+    }
+
+    /// The volume stays as long as the instance, so nothing is lost by keeping it for good.
+    fn of(file: FileVolume) -> Result<Self, String> {
+        let file: &'static FileVolume = Box::leak(Box::new(file));
+        Ok(Self { file, volume: file.volume().map_err(message)?, scene: None, pose: None, picture: None })
+    }
+
+    /// Size, type, place, range and facts.
+    pub fn described(&self) -> Value {
+        let grid = self.volume.grid();
+        let columns = self.file.world_from_index.to_cols_array_2d();
+        let rows: [[f64; 4]; 3] = std::array::from_fn(|row| columns.map(|column| column[row]));
+        let (statistics, facts) = (grid.statistics(), &self.file.facts);
+        json!({
+            "name": facts.name,
+            "size": self.file.size,
+            "type": sample_type(self.volume.samples()),
+            "world_from_index": rows,
+            "range": [statistics.min, statistics.max],
+            "n_missing": statistics.n_nonfinite,
+            "facts": {
+                "unit": facts.unit,
+                "is_anatomical": facts.is_anatomical,
+                "modality": facts.modality,
+                "value_unit": facts.value_unit,
+                "quantity": facts.quantity,
+                "conventions": facts.conventions,
+                "guesses": facts.guesses,
+            },
+        })
+    }
+
+    /// The samples as bytes, x fastest.
+    pub fn sample_bytes(&self) -> &'static [u8] {
+        match &self.file.buffer {
+            SampleBuffer::U8(samples) => samples,
+            SampleBuffer::I8(samples) => bytemuck::cast_slice(samples),
+            SampleBuffer::U16(samples) => bytemuck::cast_slice(samples),
+            SampleBuffer::I16(samples) => bytemuck::cast_slice(samples),
+            SampleBuffer::U32(samples) => bytemuck::cast_slice(samples),
+            SampleBuffer::I32(samples) => bytemuck::cast_slice(samples),
+            SampleBuffer::F32(samples) => bytemuck::cast_slice(samples),
+            SampleBuffer::F64(samples) => bytemuck::cast_slice(samples),
+        }
+    }
+
+    /// The kind of data.
+    pub fn kind(&self) -> FoundKind {
+        kind_of(&self.volume, &self.file.facts)
+    }
+
+    /// Takes the look of a preset, or of a document whose values are samples.
+    ///
+    /// # Errors
+    ///
+    /// An unknown preset, or a document that is not valid or asks for what the module cannot read yet.
+    pub fn set_look(&mut self, asked: &Value) -> Result<Value, String> {
+        let look = match asked.get("document") {
+            None => Look::preset(text(asked, "preset", "")?).map_err(message)?,
+            Some(document) => look_of(document)?,
+        };
+        let answer = json!({"name": look.name, "reason": look.reason});
+        if let Some((scene, operator)) = &mut self.scene {
+            scene.layers[0].transfer_function = look.transfer_function;
+            scene.layers[0].shading = look.shading;
+            scene.background = look.background;
+            *operator = look.composite;
+        } else {
+            self.scene = Some((Scene::with_look(self.volume.clone(), &look), look.composite));
+        }
+        Ok(answer)
+    }
+
+    fn scene(&self) -> Result<&(Scene<'static>, Composite), String> {
+        self.scene.as_ref().ok_or_else(|| "there is no look yet; ask 'look' before".to_owned())
+    }
+
+    fn pose(&self) -> Result<Pose, String> {
+        self.pose.ok_or_else(|| "there is no camera yet; ask 'camera' before".to_owned())
+    }
+
+    /// Places the camera: `{"fit": true}` around what the look shows, `{"view": "anterior"}`, `{"orbit": [azimuth,
+    /// elevation]}`, each with `aspect`, width over height, the last two with `zoom` and `view_angle` (degrees; orthographic
+    /// without); `{"turned": [azimuth, elevation, roll]}`, `{"zoomed": factor}` from where it is; `{"document": {...}}`.
+    ///
+    /// # Errors
+    ///
+    /// A number out of range, a view that there is not, or no camera to turn.
+    pub fn set_camera(&mut self, asked: &Value) -> Result<Value, String> {
+        let aspect = number(asked, "aspect", 1.0)?;
+        let corners = grid_corners(self.volume.grid());
+        let mut framing = InView::around(&corners).aspect(aspect).zoom(number(asked, "zoom", 1.0)?);
+        if asked.get("view_angle").is_some() {
+            framing = framing.perspective(number(asked, "view_angle", 0.0)?);
+        }
+        let pose = if let Some(document) = asked.get("document") {
+            pose_of(&CameraDocument::read(&document).map_err(message)?)
+        } else if asked.get("view").is_some() {
+            framing.view(text(asked, "view", "")?, self.file.facts.is_anatomical).map_err(message)?
+        } else if let Some(given) = asked.get("orbit") {
+            let [azimuth, elevation] = numbers(given, "orbit")?;
+            framing.orbit(azimuth, elevation, Fit::View).map_err(message)?
+        } else if let Some(given) = asked.get("turned") {
+            let [azimuth, elevation, roll] = numbers(given, "turned")?;
+            self.pose()?.turned(azimuth, elevation, roll)
+        } else if asked.get("zoomed").is_some() {
+            self.pose()?.zoomed(number(asked, "zoomed", 1.0)?).map_err(message)?
+        } else if asked["fit"] == true {
+            Pose::fit(&self.scene()?.0, &self.file.facts, aspect).map_err(message)?
+        } else {
+            return Err("a camera is asked for by one of: fit, view, orbit, turned, zoomed, document".to_owned());
+        };
+        pose.camera().map_err(message)?;
+        self.pose = Some(pose);
+        let [position, focal_point, view_up] = [pose.position, pose.focal_point, pose.view_up].map(|v| v.to_array());
+        let (lens, value) = match pose.lens {
+            Lens::ParallelScale(scale) => ("parallel_scale", scale),
+            Lens::ViewAngleDeg(angle) => ("view_angle", angle),
+        };
+        Ok(json!({"version": 1, "position": position, "focal_point": focal_point, "view_up": view_up, lens: value}))
+    }
+
+    /// Draws a picture; its bytes are red, green, blue and opacity, straight.
+    ///
+    /// # Errors
+    ///
+    /// No look or camera yet, an unknown quality, or the renderer's.
+    pub fn draw(&mut self, asked: &Value) -> Result<Vec<u8>, String> {
+        let quality = match text(asked, "quality", "normal")? {
+            "draft" => Quality::Draft,
+            "normal" => Quality::Normal,
+            "fine" => Quality::Fine,
+            "high" => Quality::High,
+            other => return Err(format!("there is no quality '{other}'; use draft, normal, fine or high")),
+        };
+        let size = counts(&asked["size"], "size")?;
+        let (scene, composite) = self.scene()?;
+        let options = FrameOptions { composite: *composite, effort: Effort::Named(quality), ..FrameOptions::default() };
+        let frame = scene.render(&self.pose()?.camera().map_err(message)?, size, &options).map_err(message)?;
+        let bytes = straight_bytes(frame.picture.rgba.as_flattened());
+        self.picture = Some(frame.picture);
+        Ok(bytes)
+    }
+
+    /// The floats of the last picture.
+    ///
+    /// # Errors
+    ///
+    /// Nothing is drawn yet.
+    pub fn floats(&self) -> Result<Vec<f32>, String> {
+        let picture = self.picture.as_ref().ok_or("nothing is drawn yet; ask 'draw' before")?;
+        Ok(picture.rgba.as_flattened().to_vec())
+    }
+
+    /// Values on a plane: `origin`, the steps `across` and `down` in the world, `size` in pixels; `slab` of `n_planes`, a
+    /// `step` and a `reduction`.
+    ///
+    /// # Errors
+    ///
+    /// A field that is wrong, or the renderer's.
+    pub fn slice(&self, asked: &Value) -> Result<Vec<f32>, String> {
+        let vector = |asked: &Value, name: &str| numbers(&asked[name], name).map(DVec3::from_array);
+        let [width_px, height_px] = counts(&asked["size"], "size")?;
+        let plane = Plane {
+            origin: vector(asked, "origin")?,
+            across: vector(asked, "across")?,
+            down: vector(asked, "down")?,
+            width_px,
+            height_px,
+        };
+        let slab = match asked.get("slab") {
+            None => ThickSlab { reduction: Reduction::Mean, n_planes: 1, step: DVec3::ZERO },
+            Some(slab) => ThickSlab {
+                reduction: Reduction::from_name(text(slab, "reduction", "mean")?).map_err(message)?,
+                n_planes: counts::<1>(&json!([slab["n_planes"]]), "n_planes")?[0],
+                step: vector(slab, "step")?,
+            },
+        };
+        let volume = match &self.scene {
+            Some((scene, _)) => scene.layers[0].volume.clone(),
+            None => wavesplat::SceneVolume::Samples(self.volume.clone(), std::sync::Arc::default()),
+        };
+        volume.slice(&plane, &slab, Kernel::Linear, None, &()).map_err(message)
+    }
+}
+
+fn pose_of(document: &CameraDocument) -> Pose {
+    let [position, focal_point, view_up] =
+        [document.position, document.focal_point, document.view_up].map(DVec3::from_array);
+    let lens = match document.lens {
+        LensField::ParallelScale(scale) => Lens::ParallelScale(scale),
+        LensField::ViewAngle(angle) => Lens::ViewAngleDeg(angle),
+    };
+    Pose { position, focal_point, view_up, lens }
+}
+
+/// The look of a document, of which the module reads curves of samples, an operator without numbers, and the default
+/// light or none.
+fn look_of(document: &Value) -> Result<Look, String> {
+    let read = LookDocument::read(&document).map_err(message)?;
+    let curves = CurvesDocument::read(&read.transfer_function, true).map_err(message)?;
+    if curves.values != "samples" || curves.opacity_unit_share.is_some() {
+        return Err(format!("look: the module reads curves of samples, not of '{}'", curves.values));
+    }
+    let opacity = curves.opacity.iter().map(|&[value, opacity]| OpacityNode { value, opacity }).collect();
+    let color = curves.color.iter().map(|&[value, r, g, b]| ColorNode { value, rgb: [r, g, b] }).collect();
+    let gradient: Vec<GradientNode> =
+        curves.gradient_opacity.iter().map(|&[magnitude, factor]| GradientNode { magnitude, factor }).collect();
+    let mut transfer_function = TransferFunction::new(opacity, color, curves.opacity_unit).map_err(message)?;
+    if !gradient.is_empty() {
+        transfer_function = transfer_function.with_gradient_opacity(gradient).map_err(message)?;
+    }
+    let shading = match read.shading {
+        None => Some(Shading::default()),
+        Some(light) if light.is_null() => None,
+        Some(_) => return Err("look: the module reads no field 'shading' but null".to_owned()),
+    };
+    let [name, description, _, _, operator, ..] = read.texts;
+    let operator = operator.unwrap_or_else(|| "over".to_owned());
+    let Some((_, composite)) = OPERATORS.into_iter().find(|(known, _)| *known == operator) else {
+        return Err(format!("look: the module reads no operator '{operator}'"));
+    };
+    let (name, reason) = (name.unwrap_or_default(), description.unwrap_or_default());
+    Ok(Look { transfer_function, shading, composite, background: None, name, reason })
+}
+
+/// NumPy's name of the type of samples.
+fn sample_type(samples: &Samples<'_>) -> &'static str {
+    match samples {
+        Samples::U8(_) => "uint8",
+        Samples::I8(_) => "int8",
+        Samples::U16(_) => "uint16",
+        Samples::I16(_) => "int16",
+        Samples::U32(_) => "uint32",
+        Samples::I32(_) => "int32",
+        Samples::F32(_) => "float32",
+        Samples::F64(_) => "float64",
+    }
+}
+
+/// Bytes as samples of a type.
+fn buffer(sample_type: &str, bytes: Vec<u8>) -> Result<SampleBuffer, String> {
+    macro_rules! samples {
+        ($variant:ident: $t:ty) => {{
+            let (parts, rest) = bytes.as_chunks::<{ size_of::<$t>() }>();
+            if !rest.is_empty() {
+                return Err(format!("{} bytes are no whole number of samples of {sample_type}", bytes.len()));
+            }
+            Ok(SampleBuffer::$variant(parts.iter().map(|part| <$t>::from_le_bytes(*part)).collect()))
+        }};
+    }
+    match sample_type {
+        "uint8" => Ok(SampleBuffer::U8(bytes)),
+        "int8" => samples!(I8: i8),
+        "uint16" => samples!(U16: u16),
+        "int16" => samples!(I16: i16),
+        "uint32" => samples!(U32: u32),
+        "int32" => samples!(I32: i32),
+        "float32" => samples!(F32: f32),
+        "float64" => samples!(F64: f64),
+        _ => Err(format!("there is no type of samples '{sample_type}'")),
+    }
+}

@@ -52,7 +52,7 @@ SHELL := $(CURDIR)/.ci/timed-shell
 	brain-oracle browser-test browser-test-all check clean concepts crates cross-check demo dev edges extras-check face fixtures fmt \
 	fuzz gallery gallery-check golden help instructions kernels kernels-anew licences licences-anew looks looks-beside-napari \
 	looks-beside-pyvista looks-beside-vtk memcheck miri nightly page-package passed pictures python-lint python-test \
-	python-test-all quality random-functions random-scenes readme references release-check release-lint roofline rust-docs rust-lint \
+	python-test-all quality random-functions random-scenes readme references release-check release-lint roofline rust-docs rust-lint schema \
 	rust-test rust-test-asserted sbom scene-hashes sdist site site-test spelling stubs study study-cuts study-lod \
 	study-wavelets test test-arm test-napari viewer-pictures wasm wasm-check wasm-kernels wasm-test web web-check wheel wheels
 
@@ -158,6 +158,9 @@ scene-hashes: $(STAMPS)/package ## draw 100 scenes and print a hash of each; SCE
 
 brain-oracle: $(STAMPS)/package ## draw kinds, looks, windows and cameras of many volumes, read many documents, and compare with the kept lines; DATA=FOLDER, BRAIN=--keep
 	python python/tools/brain_oracle.py $(if $(DATA),--data $(DATA)) $(BRAIN)
+
+schema: $(STAMPS)/venv ## write the schema of scenes from the tables of crates/document
+	cargo run --locked --profile checkout -q -p wavesplat-document --example schema
 
 roofline: $(STAMPS)/released ## time by stage against the limits of a core, with perf; ROOFLINE="--record" keeps it
 	BENCH_DATA=$(BENCH_DATA) python benches/roofline.py $(ROOFLINE)

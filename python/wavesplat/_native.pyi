@@ -90,7 +90,6 @@ __all__ = [
     "light_step",
     "lightened",
     "lights_of",
-    "list_in",
     "look_texts",
     "looks_like_hounsfield",
     "map_colors",
@@ -98,7 +97,6 @@ __all__ = [
     "map_nodes",
     "materials_fields",
     "normals_of_faces",
-    "only_field",
     "opaque_after",
     "orbit_axes",
     "otsu",
@@ -956,16 +954,10 @@ def checked_view(view: Any, crosshair: Sequence[float]) -> dict[str, Any]:
     """The field `view` of a viewer's state, checked, with the defaults of all that it leaves out."""
 
 def check_part(part: object, place: str, name: str) -> None:
-    """Refuse a part of a scene's document that is no object, lacks a field, or has one too many."""
+    """Refuse a part of a scene's document that lacks a field, or has one too many or of a wrong value."""
 
-def list_in(document: Mapping[str, Any], name: str) -> list[Any]:
-    """The list in a field of a scene's document, which need not be there."""
-
-def only_field(part: object, place: str, of: str) -> tuple[str, Any]:
-    """Name and value of the only field of a clip, a shape, a step or an operator."""
-
-def check_state(document: object) -> None:
-    """Refuse a document that is no state of the viewer by its fields, its kind or its version."""
+def check_state(document: object, before: dict[str, Any]) -> None:
+    """Refuse a document that is no state of the viewer; fields that are the same objects as before are right."""
 
 def curves_fields(
     document: Mapping[str, Any], in_look: bool

@@ -17,13 +17,17 @@
 //! ```
 
 mod camera;
+mod check;
 mod curves;
 mod error;
 mod fields;
+mod form;
 mod look;
 mod node;
+mod parts;
 mod patch;
 mod scene;
+mod schema;
 mod view;
 
 pub use camera::{CameraDocument, LensField};
@@ -33,5 +37,6 @@ pub use fields::{LARGEST, VERSION, check_fields, check_list, is_number, is_point
 pub use look::{LookDocument, MaterialsDocument, check_material, check_settings, lights};
 pub use node::{ChangedNode, ValueNode};
 pub use patch::{MAX_STEPS, patched};
-pub use scene::{check_part, check_state, fields_of_part, list_in, only_field};
+pub use scene::{check_part, check_state, fields_of_part};
+pub use schema::{scene_schema, written};
 pub use view::{ViewSection, check_view, default_view};

@@ -8,23 +8,10 @@
 use crate::error::{FieldError, Found, quoted};
 use crate::fields::{check_fields, check_list, optional_number, wrong};
 use crate::node::ValueNode;
+use crate::parts::COMPOSITES;
 
 const LOOK: &str = "look";
 const TEXTS: [&str; 7] = ["name", "description", "kind", "view", "composite", "background", "part"];
-/// Operators that a look may have.
-const COMPOSITES: [&str; 11] = [
-    "over",
-    "maximum",
-    "depth-shaded-maximum",
-    "depth-colored-maximum",
-    "attenuated-maximum",
-    "local-maximum",
-    "minimum",
-    "mean",
-    "sum",
-    "x-ray",
-    "first-hit",
-];
 const LIGHT: [&str; 3] = ["color", "direction", "frame"];
 const SHADING: [&str; 14] = [
     "ambient",

@@ -56,7 +56,7 @@ fn view() -> Value {
 fn errors_of_views_name_the_field() {
     for (path, value, message) in [
         ("/layout/main", json!("w"), ".layout.main is \"w\"; use one of: 3d, z, y, x"),
-        ("/slices/window", json!([40, 0]), ".slices.window is a list; it must be [level, width]"),
+        ("/slices/window", json!([40, 0]), ".slices.window is [40,0]; it must be [level, width]"),
         ("/slices/thickness", json!(-1), ".slices.thickness is -1; it must be 0 or a length"),
         ("/slices/zoom", json!(null), ".slices.zoom is null; it must be a number, 0.01 to 1000"),
         ("/slices/normals/z", json!([0, 0, -0.0]), ".slices.normals.z is zero; a normal has a direction"),

@@ -197,20 +197,10 @@ pub fn check_part(part: Bound<'_, PyAny>, place: &str, name: &str) -> PyResult<(
 
 /// See `_native.pyi`.
 #[pyfunction]
-pub fn list_in<'py>(document: Bound<'py, PyAny>, name: &str) -> PyResult<Vec<Bound<'py, PyAny>>> {
-    document::list_in(&PyNode(document), name).map(plain).map_err(refused)
-}
-
-/// See `_native.pyi`.
-#[pyfunction]
-pub fn only_field<'py>(part: Bound<'py, PyAny>, place: &str, of: &str) -> PyResult<(String, Bound<'py, PyAny>)> {
-    document::only_field(&PyNode(part), place, of).map(|(name, inside)| (name, inside.0)).map_err(refused)
-}
-
-/// See `_native.pyi`.
-#[pyfunction]
-pub fn check_state(document: Bound<'_, PyAny>) -> PyResult<()> {
-    document::check_state(&PyNode(document)).map_err(refused)
+pub fn check_state(document: Bound<'_, PyAny>, before: &Bound<'_, PyDict>) -> PyResult<()> {
+    let is_checked =
+        |name: &str, value: &PyNode<'_>| before.get_item(name).ok().flatten().is_some_and(|known| known.is(&value.0));
+    document::check_state(&PyNode(document), is_checked).map_err(refused)
 }
 
 /// See `_native.pyi`.

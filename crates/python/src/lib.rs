@@ -44,8 +44,7 @@ mod _native {
     #[pymodule_export]
     use crate::documents::{
         camera_fields, check_material, check_part, check_settings, check_state, check_values, checked_view,
-        curves_fields, is_number, is_point, lights_of, list_in, look_texts, materials_fields, only_field, patched,
-        table_fields,
+        curves_fields, is_number, is_point, lights_of, look_texts, materials_fields, patched, table_fields,
     };
     #[pymodule_export]
     use crate::gpu::{gpu_adapters, gpu_check, gpu_count, gpu_memory, gpu_settle};

@@ -1,7 +1,6 @@
 """Fields of the parts of a scene's document: the native module, the schema and the classes have the same."""
 
 import json
-import re
 from dataclasses import fields
 from importlib.resources import files
 
@@ -17,67 +16,27 @@ from wavesplat.errors import ArgumentError
 
 SCHEMA = json.loads((files("wavesplat") / "_scene/documents/scene.schema.json").read_text(encoding="utf-8"))
 DEFS = SCHEMA["$defs"]
-RENDER = DEFS["render"]["properties"]
-IN_SCHEMA = {
-    "scene": SCHEMA,
-    **{
-        name: DEFS[name] for name in ("layer", "color_field", "mapped_look", "labels", "shape_file", "render", "figure")
-    },
-    "keep": DEFS["box"],
-    "cut_out": DEFS["box"],
-    "plane": DEFS["clip"]["properties"]["plane"],
-    "quality": RENDER["quality"]["anyOf"][1],
-    "stereo": RENDER["stereo"]["anyOf"][2],
-    **DEFS["shape"]["properties"],
-}
 CLASSES = {"quality": Sampling, "stereo": Stereo, "figure": Figure, **scene_json.OPERATORS, **geometry_json.TYPES}
-#: Shapes of a renderer come from no file, which has a message of its own.
-FILELESS = ("slice_plane", "frame")
-
-
-def fields_of(part):
-    """The fields that a message lists, and those that are needed, in order."""
-    needed = {}
-    while True:
-        with pytest.raises(ArgumentError) as caught:
-            _native.check_part({**needed, "?": 0}, "here", part)
-        if found := re.fullmatch(r"here: field '(\w+)' is missing", str(caught.value)):
-            needed[found[1]] = 0
-            continue
-        known = re.fullmatch(r"here: unknown field '\?'; the fields are (.*)", str(caught.value))
-        return set(known[1].split(", ")), list(needed)
-
-
-@pytest.mark.parametrize("part", IN_SCHEMA)
-def test_the_schema_has_the_fields(part):
-    known, needed = fields_of(part)
-    schema = IN_SCHEMA[part]
-    assert known - ({"file"} if part in FILELESS else set()) == set(schema["properties"])
-    # A document in a report is found by its field `wavesplat`, before its fields are checked.
-    assert set(needed) == set(schema.get("required", ())) - {"wavesplat"}
-    assert schema["additionalProperties"] is False
 
 
 @pytest.mark.parametrize("part", CLASSES)
 def test_the_classes_have_the_fields(part):
-    file = {"file"} if part in geometry_json.TYPES else set()
-    assert fields_of(part)[0] == {field.name for field in fields(CLASSES[part]) if field.init} | file
+    file = {"file"} if part in ("surface", "lines", "points") else set()
+    assert set(DEFS[part]["properties"]) == {field.name for field in fields(CLASSES[part]) if field.init} | file
 
 
-@pytest.mark.parametrize(
-    ("of", "names"),
-    [
-        ("clip", DEFS["clip"]["properties"]),
-        ("shape", geometry_json.TYPES),
-        ("operator", scene_json.OPERATORS),
-        ("step", named_volumes.STEPS),
-    ],
-)
-def test_kinds_of_one_field(of, names):
-    with pytest.raises(ArgumentError, match=r"^here is a dict; it must be .*an object of one field: ") as caught:
-        _native.only_field({}, "here", of)
-    assert set(str(caught.value).partition(": ")[2].split(", ")) == set(names)
-    assert all(_native.only_field({name: 1}, "here", of) == (name, 1) for name in names)
+def test_the_kinds_are_those_that_are_made():
+    kinds = {
+        "clip": SCHEMA["properties"]["clip"],
+        "shape": SCHEMA["properties"]["geometry"],
+        "step": DEFS["volume"]["properties"]["then"],
+        "operator": {"items": DEFS["render"]["properties"]["composite"]["anyOf"][2]},
+    }
+    names = {name: set(schema["items"]["properties"]) for name, schema in kinds.items()}
+    assert names["clip"] == {"keep", "plane", "cut_out"}
+    assert names["shape"] == set(geometry_json.TYPES)
+    assert names["step"] == set(named_volumes.STEPS)
+    assert names["operator"] == set(scene_json.OPERATORS)
 
 
 #: Values, one of which is put into each place of a view.
@@ -146,9 +105,10 @@ def test_views_that_are_taken_are_valid_by_the_schema():
 
 
 def test_views_take_all_names_of_the_schema():
-    for section, fields_of_it in DEFS["view"]["properties"].items():
-        for name, form in fields_of_it.get("properties", {}).items():
-            for value in form.get("enum", ()):
+    for section, form in DEFS["view"]["properties"].items():
+        fields_of_it = DEFS[form["$ref"].rpartition("/")[2]] if "$ref" in form else form
+        for name, own in fields_of_it.get("properties", {}).items():
+            for value in own.get("enum", ()):
                 assert _native.checked_view({section: {name: value}}, [0.0, 0.0, 0.0])[section][name] == value
     overlays = DEFS["view"]["properties"]["overlays"]["propertyNames"]["enum"]
     assert set(_native.checked_view({}, [0.0, 0.0, 0.0])["overlays"]) == set(overlays)

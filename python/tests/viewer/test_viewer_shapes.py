@@ -98,7 +98,7 @@ def test_hidden_shapes_are_in_no_camera():
         ("/geometry/0/name", "other", "only its field 'visible' can be changed"),
         ("/geometry/0", 3, r"geometry\[0\] is 3"),
         ("/geometry", {}, "must be a list"),
-        ("/geometry", [{"kind": "frame", "id": 9}], r"field 'id' is 9, which is not open here"),
+        ("/geometry/0/id", 9, r"field 'id' is 9, which is not open here"),
     ],
 )
 def test_other_changes_of_the_geometry_are_refused(path, value, said):

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from wavesplat import _native
 from wavesplat._geometry.frame import Frame
 from wavesplat._geometry.lines import Lines
 from wavesplat._geometry.points import Points
@@ -27,7 +26,6 @@ from wavesplat._geometry.slice_plane import SlicePlane
 from wavesplat._geometry.surface import Surface
 from wavesplat._readers.request import named_within
 from wavesplat._scene.documents.named_volumes import Reach, made_at, volume_named
-from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError, FileError
 
 TYPES: dict[str, type[Shape]] = {
@@ -136,10 +134,9 @@ def shapes_of(geometry: list[Any], what: str, reach: Reach) -> list[Shape]:
     return [_shape(one, f"{what}[{number}]", reach) for number, one in enumerate(geometry)]
 
 
-def _shape(given: Any, what: str, reach: Reach) -> Shape:
-    name, own = _native.only_field(given, what, "shape")
+def _shape(given: dict[str, Any], what: str, reach: Reach) -> Shape:
+    ((name, own),) = given.items()
     kind, what = TYPES[name], f"{what}.{name}"
-    _native.check_part(own, what, name)
     arguments = {key: _tuples(value) if key in ("clim", "window") else value for key, value in own.items()}
     if "file" in own:
         del arguments["file"]
@@ -156,9 +153,6 @@ def _opened(file: Any, look: dict[str, Any], place: tuple[str, str], reach: Reac
     """The shape of a file. `place`: its kind, and where it stands in the document."""
     name, what = place
     what = f"{what}.file"
-    if name not in ("surface", "lines", "points"):
-        raise ArgumentError(f"{what}: a {name} comes from no file")
-    _native.check_part(file, what, "shape_file")
     if file["path"] is None:
         raise ArgumentError(
             f"{what} came from no file when this was written; write its shape to one, and make the scene anew"
@@ -168,8 +162,6 @@ def _opened(file: Any, look: dict[str, Any], place: tuple[str, str], reach: Reac
     within = reach.of_name(file["path"])
     options = within.options(dict(file), what)
     path = options.pop("path")
-    if not isinstance(path, str):
-        raise ArgumentError(f"{what}: field 'path' is {described(path)}; it must be the name of a file")
     options.setdefault("kind", name)
     try:
         with named_within(within.within):
@@ -182,7 +174,6 @@ def _opened(file: Any, look: dict[str, Any], place: tuple[str, str], reach: Reac
 def _of_slice(arguments: dict[str, Any], what: str, reach: Reach) -> dict[str, Any]:
     plane = arguments.get("plane")
     if isinstance(plane, dict):
-        _native.check_part(plane, f"{what}.plane", "plane")
         arguments["plane"] = (plane["point"], plane["normal"])
     if arguments.get("volume") is not None:
         arguments["volume"] = volume_named(arguments["volume"], f"{what}.volume", reach)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from wavesplat import _native, examples
+from wavesplat import examples
 from wavesplat._looks.body.largest_body import largest_body
 from wavesplat._model.volume.private_names import CONTENT, file_of_content
 from wavesplat._model.volume.series import Series
@@ -176,15 +176,12 @@ def volume_named(source: Any, what: str, reach: Reach) -> Volume | WaveletVolume
     what : its place there, for messages.
     reach : which files the document may name.
     """
-    if not isinstance(source, dict):
-        raise ArgumentError(f"{what} is {described(source)}; it must be an object with the path of a file")
     options = dict(source)
     steps = options.pop("then", [])
-    if not isinstance(steps, list):
-        raise ArgumentError(f"{what}: field 'then' is {described(steps)}; it must be a list")
     volume: Volume | WaveletVolume | Series
     if "example" in options:
-        volume = _example(options, what)  # files of the package, wherever the document lies
+        # Files of the package, wherever the document lies.
+        volume = _called(EXAMPLES[options.pop("example")], options, what)
     else:
         place = reach.of_name(options.get("path"))
         try:
@@ -196,13 +193,6 @@ def volume_named(source: Any, what: str, reach: Reach) -> Volume | WaveletVolume
     for number, step in enumerate(steps):
         volume = _done(volume, step, f"{what}.then[{number}]")
     return volume
-
-
-def _example(options: dict[str, Any], what: str) -> Any:
-    name = options.pop("example")
-    if not isinstance(name, str) or name not in EXAMPLES:
-        raise ArgumentError(f"{what}: there is no example {described(name)}; they are {', '.join(EXAMPLES)}")
-    return _called(EXAMPLES[name], options, what)
 
 
 def _first(options: dict[str, Any], what: str, reach: Reach) -> Any:
@@ -223,9 +213,7 @@ def _first(options: dict[str, Any], what: str, reach: Reach) -> Any:
 
 
 def _done(volume: Any, step: Any, what: str) -> Any:
-    name, options = _native.only_field(step, what, "step")
-    if not isinstance(options, dict):
-        raise ArgumentError(f"{what}.{name} is {described(options)}; it must be an object")
+    ((name, options),) = step.items()
     kinds = KINDS.get(name, (Volume,))
     if not isinstance(volume, kinds):
         kind = " or ".join(kind.__name__ for kind in kinds)

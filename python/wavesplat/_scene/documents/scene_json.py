@@ -22,6 +22,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +34,7 @@ from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
 from wavesplat._model.arguments.clips import Clip, ClipPlane, Crop, CutOut
 from wavesplat._model.arguments.operators import WITH_DEFAULTS, FirstHit, Operator, checked_operator
-from wavesplat._model.arguments.sampling import MAX_SIDE_PX, Sampling
+from wavesplat._model.arguments.sampling import Sampling
 from wavesplat._model.camera import files as camera_json
 from wavesplat._model.camera.camera import Camera
 from wavesplat._model.camera.stereo import Stereo, checked_eyes
@@ -41,7 +42,6 @@ from wavesplat._scene.documents import geometry_json
 from wavesplat._scene.documents.named_volumes import Reach, made_at, volume_named
 from wavesplat._scene.layer import Layer
 from wavesplat._storage import json_texts
-from wavesplat._system.values import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -203,17 +203,10 @@ def _document(document: dict[str, Any], reach: Reach) -> Document:
     from wavesplat._scene.scene import Scene
 
     _native.check_part(document, WHAT, "scene")
-    version = document["version"]
-    if version != VERSION or not isinstance(version, int) or isinstance(version, bool):
-        raise ArgumentError(f"{WHAT}: field 'version' is {described(version)}; this release reads version {VERSION}")
-    layers = _native.list_in(document, "layers")
-    built = [_layer(layer, f"{WHAT}: layers[{number}]", reach) for number, layer in enumerate(layers)]
+    built = [_layer(layer, f"{WHAT}: layers[{number}]", reach) for number, layer in enumerate(document["layers"])]
     clips = clips_of(document)
-    background = document.get("background")
-    if not isinstance(background, str | list | None):
-        raise ArgumentError(f"{WHAT}: field 'background' is {described(background)}; it must be a colour or null")
     shading = shading_of(document.get("shading", "look"))
-    geometry = geometry_json.shapes_of(_native.list_in(document, "geometry"), f"{WHAT}: geometry", reach)
+    geometry = geometry_json.shapes_of(document.get("geometry", []), f"{WHAT}: geometry", reach)
     scene = made_at(
         f"{WHAT}",
         lambda: Scene(
@@ -221,68 +214,45 @@ def _document(document: dict[str, Any], reach: Reach) -> Document:
             labels=_labels(document.get("labels"), f"{WHAT}: labels", reach),
             shading=shading,
             clip=clips,
-            background=background,
+            background=document.get("background"),
             keep_table=document.get("keep_table", False),
             geometry=geometry,
         ),
     )
     eye = camera_of(document.get("camera"))
     figure = document.get("figure") or {}
-    _native.check_part(figure, f"{WHAT}: figure", "figure")
     if figure.get("font") is not None:
         figure = {**figure, "font": reach.of_name(figure["font"]).path(figure["font"], f"{WHAT}: figure.font")}
-    view = document.get("view") or {}
-    if not isinstance(view, dict):
-        raise ArgumentError(f"{WHAT}: field 'view' is {described(view)}; it must be an object")
-    return Document(scene, eye, options_of(document.get("render") or {}), figure, view)
+    return Document(scene, eye, options_of(document.get("render") or {}), figure, document.get("view") or {})
 
 
 def _layer(layer: Any, what: str, reach: Reach) -> Layer:
-    _native.check_part(layer, what, "layer")
     made = layer_of(layer, what, volume_named(layer["volume"], f"{what}.volume", reach))
     field, what = layer.get("color_from"), f"{what}.color_from"
     if field is None:
         return made
-    _native.check_part(field, what, "color_field")
     return replace(made, color_from=layer_of(field, what, volume_named(field["volume"], f"{what}.volume", reach)))
 
 
 def layer_of(layer: Any, what: str, volume: Any) -> Layer:
     """The layer that fields describe, of a volume that is open."""
-    _native.check_part(layer, what, "layer")
     look = layer.get("look")
     if isinstance(look, dict) and "map" in look:
-        look = _mapped_look(look, f"{what}.look", volume)
+        colors = look["map"], look.get("window")
+        made: Any = made_at(f"{what}.look", lambda: Layer.overlay(volume, *colors))
+        look = made.look
     elif isinstance(look, dict):
         fields_of_look = {"version": 1, **look}
         look = made_at(f"{what}.look", lambda: look_files.build(fields_of_look, None))
-    elif not isinstance(look, str | None):
-        raise ArgumentError(f"{what}: field 'look' is {described(look)}; it must be an object, a name or null")
     elif look is not None and layer.get("visible", True):  # a hidden layer is read as it was written
         made_at(f"{what}: field 'look'", lambda: presets.checked_name(look))
-    for name, kind, form in (("visible", bool, "true or false"), ("time", int, "a whole number")):
-        if not isinstance(layer.get(name, kind()), kind):
-            raise ArgumentError(f"{what}: field {name!r} is {described(layer[name])}; it must be {form}")
     given = {name: layer[name] for name in ("visible", "opacity", "time", "name") if layer.get(name) is not None}
     return made_at(what, lambda: Layer(volume, look, **given))
-
-
-def _mapped_look(look: dict[str, Any], what: str, volume: Any) -> Look:
-    """The look of a colour map, as `Layer.overlay` makes it: {"map": "hot", "window": [2, 8]}."""
-    _native.check_part(look, what, "mapped_look")
-    name, window = look["map"], look.get("window")
-    if not isinstance(name, str):
-        raise ArgumentError(f"{what}: field 'map' is {described(name)}; it must be the name of a colour map")
-    if not isinstance(window, list | None):
-        raise ArgumentError(f"{what}: field 'window' is {described(window)}; it must be [low, high]")
-    made: Any = made_at(what, lambda: Layer.overlay(volume, name, window)).look
-    return made  # type: ignore[no-any-return]
 
 
 def _labels(labels: Any, what: str, reach: Reach) -> Labels | None:
     if labels is None:
         return None
-    _native.check_part(labels, what, "labels")
     segmentation = volume_named(labels["volume"], f"{what}.volume", reach)
     chosen = looks_of_labels(labels, what)
     return made_at(what, lambda: Labels(segmentation, chosen, smooth=labels.get("smooth", True)))
@@ -290,34 +260,20 @@ def _labels(labels: Any, what: str, reach: Reach) -> Labels | None:
 
 def looks_of_labels(labels: Any, what: str) -> dict[int, Label] | None:
     """The looks by number that fields of labels describe; None if they have none."""
-    _native.check_part(labels, what, "labels")
     looks = labels.get("labels")
-    if not isinstance(looks, dict | None) or not all(isinstance(look, dict) for look in (looks or {}).values()):
-        raise ArgumentError(f"{what}: field 'labels' is {described(looks)}; it must be an object of objects, by number")
-    return None if looks is None else {_number(number, what): _label(look, what) for number, look in looks.items()}
-
-
-def _label(look: dict[str, Any], what: str) -> Label:
-    return made_at(f"{what}: labels", lambda: Label(**look))
-
-
-def _number(text: str, what: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise ArgumentError(f"{what}: {text!r} in field 'labels' is no whole number") from None
+    if looks is None:
+        return None
+    return {int(number): made_at(f"{what}: labels", partial(Label, **look)) for number, look in looks.items()}
 
 
 def camera_of(camera: Any) -> Camera | None:
     """The camera that fields describe, if there are any."""
-    if not isinstance(camera, dict | None):
-        raise ArgumentError(f"{WHAT}: field 'camera' is {described(camera)}; it must be an object")
     return None if camera is None else made_at(WHAT, lambda: camera_json.build(camera))
 
 
-def clips_of(document: dict[str, Any]) -> list[Clip]:
+def clips_of(document: Mapping[str, Any]) -> list[Clip]:
     """The clips that the document's field `clip` describes."""
-    return [_clip(clip, f"{WHAT}: clip[{number}]") for number, clip in enumerate(_native.list_in(document, "clip"))]
+    return [_clip(clip, f"{WHAT}: clip[{number}]") for number, clip in enumerate(document.get("clip", []))]
 
 
 def shading_of(shading: Any) -> Any:
@@ -325,9 +281,8 @@ def shading_of(shading: Any) -> Any:
     return shading if isinstance(shading, str) and shading == "look" else _shading(shading)
 
 
-def _clip(clip: Any, what: str) -> Clip:
-    kind, numbers = _native.only_field(clip, what, "clip")
-    _native.check_part(numbers, f"{what}.{kind}", kind)
+def _clip(clip: dict[str, Any], what: str) -> Clip:
+    ((kind, numbers),) = clip.items()
     if kind == "plane":
         return made_at(what, lambda: ClipPlane(**numbers))
     box = made_at(what, lambda: Crop(**numbers))
@@ -338,44 +293,24 @@ def _shading(shading: Any) -> Shading | None:
     return made_at(WHAT, lambda: look_files.build_shading(shading))
 
 
-def options_of(render: Any) -> dict[str, Any]:
+def options_of(render: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments of `Scene.render` that the field `render` describes."""
     what = f"{WHAT}: render"
-    _native.check_part(render, what, "render")
     options = {name: value for name, value in render.items() if value is not None}
     if "size" in options:
-        size = options["size"]
-        if not (isinstance(size, list) and len(size) == 2 and all(type(n) is int for n in size)):
-            raise ArgumentError(f"{what}: field 'size' is {described(size)}; it must be [width, height]")
-        if not all(1 <= n <= MAX_SIDE_PX for n in size):
-            raise ArgumentError(
-                f"{what}: field 'size' is {described(tuple(size))}; width and height must be 1 to {MAX_SIDE_PX} pixels"
-            )
-        options["size"] = tuple(size)
-    quality = options.get("quality")
-    if isinstance(quality, dict):
-        _native.check_part(quality, f"{what}.quality", "quality")
-        options["quality"] = made_at(f"{what}.quality", lambda: Sampling(**quality))
-    stereo = options.get("stereo")
-    if isinstance(stereo, dict):
-        _native.check_part(stereo, f"{what}.stereo", "stereo")
-        distances: dict[str, Any] = stereo
-        options["stereo"] = made_at(f"{what}.stereo", lambda: Stereo(**distances))
+        options["size"] = tuple(options["size"])
+    for name, kind in (("quality", Sampling), ("stereo", Stereo)):
+        if isinstance(options.get(name), dict):
+            options[name] = made_at(f"{what}.{name}", partial(kind, **options[name]))
     made_at(what, lambda: checked_eyes(options.get("stereo"), options.get("panorama", False)))
     if "composite" in options:
-        options["composite"] = _operator(options["composite"], f"{what}.composite")
+        options["composite"] = made_at(f"{what}.composite", lambda: _operator(options["composite"]))
     return options
 
 
-def _operator(given: Any, what: str) -> Operator | None:
-    if isinstance(given, dict):
-        name, numbers = _native.only_field(given, what, "operator")
-        kind = OPERATORS[name]
-        _native.check_part(numbers, f"{what}.{name}", name)
-        return made_at(what, lambda: _operator_of(kind, numbers))
-    return made_at(what, lambda: checked_operator(given))
-
-
-def _operator_of(kind: Any, numbers: dict[str, Any]) -> Operator:
-    operator: Operator = kind(**numbers)
+def _operator(given: Any) -> Operator | None:
+    if not isinstance(given, dict):
+        return checked_operator(given)
+    ((name, numbers),) = given.items()
+    operator: Operator = OPERATORS[name](**numbers)
     return operator

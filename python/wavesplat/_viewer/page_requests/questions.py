@@ -234,7 +234,7 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
         {
             **USUAL,
             "name": names_by_themselves(state.scene.layers)[n],
-            **layer,
+            **{name: value for name, value in layer.items() if name != "color_from"},
             "volume": now["volume"],
             "look": now["look"] if layer.get("look") is None else _look(state, n, layer),
         }
@@ -248,6 +248,8 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
         whole["labels"] = {**whole["labels"], "volume": open_now["labels"]["volume"]}
     else:
         whole["labels"] = open_now["labels"]
+    if isinstance(whole.get("render"), dict):
+        whole["render"] = {"quality": "normal", "kernel": "linear", **whole["render"]}
     if "geometry" in document:
         whole["geometry"] = _shown_shapes(open_now["geometry"], document["geometry"])
     return state.replaced(
@@ -283,7 +285,9 @@ def _look(state: ViewerState, number: int, layer: dict[str, Any]) -> Any:
         return look
     if isinstance(look, str):
         return _fields_of_preset(state, number, look)
-    made: Any = scene_json.layer_of(layer, f"layers[{number}]", state.scene.layers[number].volume).look
+    what = f"{scene_json.WHAT}: layers[{number}]"
+    _native.check_part({**layer, "volume": {"path": None}}, what, "layer")
+    made: Any = scene_json.layer_of(layer, what, state.scene.layers[number].volume).look
     return json.loads(json.dumps(look_files.fields_of(made)))
 
 

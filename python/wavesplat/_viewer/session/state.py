@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, get_args
+from typing import Any
 
 from wavesplat import _native
 from wavesplat._geometry.shape import Shape
@@ -21,14 +21,14 @@ from wavesplat._looks.kinds.kinds import kind_of
 from wavesplat._looks.labels.labels import Labels
 from wavesplat._looks.layer_names import layer_name_of
 from wavesplat._looks.look import Look
-from wavesplat._model.arguments.sampling import Kernel
 from wavesplat._model.camera.camera import Camera
 from wavesplat._model.volume.private_names import whole
 from wavesplat._model.volume.series import Series
 from wavesplat._scene.documents import scene_json
+from wavesplat._scene.documents.named_volumes import made_at
 from wavesplat._scene.drawing.drawn_layers import drawn_layers
 from wavesplat._scene.layer import Layer
-from wavesplat._scene.scene import MAX_LAYERS, Scene
+from wavesplat._scene.scene import Scene
 from wavesplat._system.values import described
 from wavesplat._viewer.session.catalogue import Catalogue, Entry
 from wavesplat._viewer.session.framed_cameras import FirstView
@@ -224,14 +224,11 @@ class ViewerState:
     def _with(self, document: Any) -> ViewerState:
         if document is self.document:
             return self
-        _native.check_state(document)
         before = self.document
+        _native.check_state(document, before)
         camera = self.camera
         if not _same(document, before, "camera"):
-            found = scene_json.camera_of(document["camera"])
-            if found is None:
-                raise ArgumentError(f"{WHAT}: field 'camera' is null; it must be an object")
-            camera = found
+            camera = scene_json.camera_of(document["camera"]) or camera
         options = self.options
         if not _same(document, before, "render"):
             options = _options(document["render"])
@@ -248,13 +245,9 @@ class ViewerState:
         """The entries that a document names, by the fields of the state that hold them."""
         if all(_same(document, self.document, name) for name in ("layers", "labels", "geometry")):
             return {}
-        layers = _list_of_objects(document, "layers")
-        shapes = _list_of_objects(document, "geometry")
-        labels = document["labels"]
-        if not isinstance(labels, Mapping | None):
-            raise ArgumentError(f"{WHAT}: field 'labels' is {described(labels)}; it must be an object or null")
+        layers, labels, shapes = document["layers"], document["labels"], document["geometry"]
         entries = tuple(
-            self._entry(one.get("volume"), Layer, self.entries, f"layers[{n}]: field 'volume'")
+            self._entry(one["volume"], Layer, self.entries, f"layers[{n}]: field 'volume'")
             for n, one in enumerate(layers)
         )
         return {
@@ -263,7 +256,7 @@ class ViewerState:
             "first_view": self.catalogue.first_views.get(entries[0].number if entries else 0, self.first_view),
             "label_entry": None
             if labels is None
-            else self._entry(labels.get("volume"), Labels, (self.label_entry,), "labels: field 'volume'"),
+            else self._entry(labels["volume"], Labels, (self.label_entry,), "labels: field 'volume'"),
             "shape_entries": tuple(
                 self._entry(one, Shape, self.shape_entries, f"geometry[{n}]") for n, one in enumerate(shapes)
             ),
@@ -271,8 +264,6 @@ class ViewerState:
 
     def _entry(self, fields: Any, kind: type, shown: Sequence[Entry | None], what: str) -> Entry:
         """The entry that some fields name; `shown`: those of the state, which the catalogue may have dropped."""
-        if not isinstance(fields, Mapping):
-            raise ArgumentError(f"{WHAT}: {what} is {described(fields)}; it must be an object")
         number = fields.get("id")
         known = next((one for one in shown if one is not None and is_same(one.number, number)), None)
         entry = known or self.catalogue.find(number, kind, f"{WHAT}: {what}: field 'id'")
@@ -294,7 +285,7 @@ class ViewerState:
             "labels": lambda: _labels(document["labels"], entries["label_entry"]),
             "shading": lambda: scene_json.shading_of(document["shading"]),
             "clip": lambda: scene_json.clips_of(dict(document)),
-            "background": lambda: _background(document["background"]),
+            "background": lambda: document["background"],
             "geometry": lambda: _shapes(document["geometry"], entries["shape_entries"]),
         }
         for name, make in made.items():
@@ -371,19 +362,7 @@ def _as_of_all_samples(document: dict[str, Any], scene: Scene) -> None:
         document[name] = own[name]
 
 
-def _list_of_objects(document: Mapping[str, Any], name: str) -> list[Mapping[str, Any]]:
-    given = document[name]
-    if not isinstance(given, list):
-        raise ArgumentError(f"{WHAT}: field {name!r} is {described(given)}; it must be a list")
-    for number, one in enumerate(given):
-        if not isinstance(one, Mapping):
-            raise ArgumentError(f"{WHAT}: {name}[{number}] is {described(one)}; it must be an object")
-    return given
-
-
 def _layers(fields: list[Any], entries: Sequence[Entry], before: ViewerState) -> list[Layer]:
-    if not 1 <= len(fields) <= MAX_LAYERS:
-        raise ArgumentError(f"{WHAT}: field 'layers' is {described(fields)}; it must be a list of 1 to {MAX_LAYERS}")
     # Layers as they are, by their numbers: one that moves in the list stays the same object.
     shown = {entry.number: n for n, entry in reversed(list(enumerate(before.entries)))}
     layers = []
@@ -402,8 +381,6 @@ def _layers(fields: list[Any], entries: Sequence[Entry], before: ViewerState) ->
             made = replace(made, look=layer.look)
         if layer.color_from is not None:
             made = replace(made, color_from=layer.color_from)
-        if made.look is None or isinstance(made.look, str):
-            raise ArgumentError(f"{what}: field 'look' is {described(new.get('look'))}; here it must be written out")
         _ = made.drawn  # or an error, for times
         layers.append(made)
     return layers
@@ -414,14 +391,8 @@ def _labels(fields: Any, entry: Entry | None) -> Labels | None:
         return None
     what = f"{WHAT}: labels"
     looks = scene_json.looks_of_labels(fields, what)
-    smooth = fields.get("smooth", True)
-    if not isinstance(smooth, bool):
-        raise ArgumentError(f"{what}: field 'smooth' is {described(smooth)}; it must be true or false")
     opened: Labels = entry.thing
-    try:
-        return opened.with_looks(looks or {}, smooth=smooth)
-    except ArgumentError as error:
-        raise ArgumentError(f"{what}: {error}") from None
+    return made_at(what, lambda: opened.with_looks(looks or {}, smooth=fields.get("smooth", True)))
 
 
 def _facts_of_shapes(scene: Scene) -> list[dict[str, Any]]:
@@ -435,12 +406,6 @@ def _facts_of_shapes(scene: Scene) -> list[dict[str, Any]]:
 
 def _shapes(fields: list[Any], entries: Sequence[Entry]) -> list[Shape]:
     """The shapes, shown or hidden as a document says."""
-    for number, new in enumerate(fields):
-        if not isinstance(new.get("visible"), bool):
-            raise ArgumentError(
-                f"{WHAT}: geometry[{number}]: field 'visible' is {described(new.get('visible'))}; it must be true or "
-                "false"
-            )
     return [entry.thing._with_visible(new["visible"]) for entry, new in zip(entries, fields, strict=True)]
 
 
@@ -452,27 +417,6 @@ def _plain_look(scene: Scene, layer: Layer) -> Look:
     return replace(next(one.look for one in shown if one.layer is visible), labels=None)
 
 
-def _background(background: Any) -> Any:
-    if not isinstance(background, str | list | None):
-        raise ArgumentError(f"{WHAT}: field 'background' is {described(background)}; it must be a colour or null")
-    return background
-
-
-def _options(render: Any) -> dict[str, Any]:
-    if isinstance(render, Mapping):
-        render = {name: value for name, value in render.items() if name != "size"}
-    options = scene_json.options_of(render)
-    for name in ("psnr", "depth"):
-        if name in options:
-            raise ArgumentError(
-                f"{WHAT}: render: a viewer's state has no {name!r}; it says what the picture at rest is"
-            )
-    quality = options.get("quality", "normal")
-    if isinstance(quality, str) and quality not in ("draft", "normal", "fine", "high"):
-        raise ArgumentError(f"{WHAT}: render: field 'quality' is {quality!r}; use one of: draft, normal, fine, high")
-    kernel = options.get("kernel", "linear")
-    if kernel not in get_args(Kernel):
-        raise ArgumentError(
-            f"{WHAT}: render: field 'kernel' is {described(kernel)}; use one of: {', '.join(get_args(Kernel))}"
-        )
+def _options(render: Mapping[str, Any]) -> dict[str, Any]:
+    options = scene_json.options_of({name: value for name, value in render.items() if name != "size"})
     return {"quality": "normal", "kernel": "linear", "composite": None, **options}

@@ -5,7 +5,7 @@ import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, beforeEach, expect, test } from "vitest";
 
-import { atRest, change, folder, openBrowser, openViewer, pixels, python, startServer, state, type Browser, type Server } from "./harness.ts";
+import { atRest, change, folder, openBrowser, openPanel, openViewer, pixels, python, startServer, state, type Browser, type Server } from "./harness.ts";
 
 const N_LABELS = 54;
 
@@ -80,6 +80,22 @@ test("a click hides a label in space and on slices, and another one shows it aga
   await atRest(page, "z");
   expect((await pixels(page)).data.equals(before[0]?.data as Buffer)).toBe(true);
   expect((await pixels(page, "z")).data.equals(before[1]?.data as Buffer)).toBe(true);
+});
+
+test("a label is renamed in its row of 28 px, and a hidden one keeps its opacity there", async () => {
+  await openPanel(page, "labels");
+  const row = page.getByRole("list", { name: "Labels" }).getByRole("listitem").nth(1);
+  expect((await row.boundingBox())?.height).toBe(28);
+  await row.getByRole("textbox", { name: /^Name/ }).fill("spleen");
+  await page.keyboard.press("Enter");
+  await expect.poll(async () => (await state(page)).labels?.labels["2"]?.name).toBe("spleen");
+  await row.getByRole("slider").fill("0.6");
+  await expect.poll(async () => (await state(page)).labels?.labels["2"]?.opacity).toBe(0.6);
+  await row.getByRole("checkbox").uncheck();
+  await expect.poll(async () => (await state(page)).labels?.labels["2"]?.opacity).toBe(0);
+  expect(await row.getByRole("slider").inputValue()).toBe("0.6");
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByRole("list", { name: "Legend" }).getByText("spleen").waitFor();
 });
 
 test("the count of the others opens all of them", async () => {

@@ -120,7 +120,7 @@ test("the values and the label under the pointer are told without a question", a
   await settled();
   const { x, y } = await middle(page, "z");
   await page.mouse.move(x + 3, y);
-  await expect.poll(() => page.locator(".status").innerText()).toMatch(/-?\d+ HU, \d.* at /);
+  await expect.poll(() => page.locator(".status").innerText()).toMatch(/\S+ -?\d+ HU, \S+ -?\d.*, label \d+ at /);
 });
 
 test("nothing was complained of", () => expect(page.complaints).toEqual([]));

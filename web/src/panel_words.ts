@@ -140,6 +140,7 @@ export const PANEL_WORDS = {
     shown: (name: string) => `Show ${name}`,
     color: (name: string) => `Colour of ${name}`,
     opacity: (name: string) => `Opacity of ${name}`,
+    name: (number: string) => `Name of label ${number}`,
     solo: "Solo",
     soloThis: (name: string) => `Solo: show ${name} alone, or all again`,
   },

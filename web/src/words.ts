@@ -244,6 +244,8 @@ export const WORDS = {
     tiltOf: (plane: string) => `Tilt of the ${plane} plane`,
     outside: "outside",
     at: (what: string, place: string) => `${what} at ${place}`,
+    /** A label by its name, or by its number. */
+    label: (name: string) => (/^\d+$/.test(name) ? `label ${name}` : name),
     units: "units",
     window: "Window",
     automatic: "Automatic",

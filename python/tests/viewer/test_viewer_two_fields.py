@@ -12,7 +12,7 @@ import pytest
 
 import wavesplat as ws
 from wavesplat._viewer.page_requests import questions
-from wavesplat._viewer.page_requests.under_pointer import values_at
+from wavesplat._viewer.page_requests.under_pointer import label_at, values_at
 from wavesplat._viewer.session.info import welcome_of
 from wavesplat._viewer.session.state import ViewerState
 
@@ -46,7 +46,7 @@ def test_a_picked_place_has_the_values_of_both_fields(gas: Path, options: Any) -
         wanted = [float(file[name][z, y, x]) for name in ("density", "temperature")]
     assert [one["value"] for one in told["values"]] == pytest.approx(wanted)
     beside, _ = questions.answer_of(state, "pick", {**MIDDLE, "x": 0.01, "y": 0.01})
-    assert beside == {"point": None, "values": []}
+    assert beside == {"point": None, "values": [], "label": None}
 
 
 @pytest.mark.parametrize("options", [{}, {"memory": "20 MB", "cache": False}])
@@ -58,10 +58,26 @@ def test_the_page_knows_the_field_of_the_colours(gas: Path, options: Any) -> Non
     assert all(len(node) == 4 for node in field["color"])
 
 
-def test_layers_without_a_second_field_have_none(gas: Path) -> None:
+def test_a_layer_alone_has_its_value_without_a_name(gas: Path) -> None:
     state = ViewerState.of(ws.Scene(ws.open(gas, dataset="density")))
     assert welcome_of(state)["volumes"][0]["color_field"] is None
-    assert questions.answer_of(state, "pick", MIDDLE)[0]["values"] == []
+    [told] = questions.answer_of(state, "pick", MIDDLE)[0]["values"]
+    assert (told["name"], told["unit"]) == ("", "")
+
+
+def test_every_layer_and_the_label_have_their_names_at_a_point() -> None:
+    _, y, x = np.indices((8, 8, 8))
+    scan, other = (ws.Volume(samples.astype(np.float32)) for samples in (10 * x, 100 * y))
+    regions = ws.Labels(
+        (1 + x // 4).astype(np.uint8), {1: ws.Label("red", name="liver"), 2: ws.Label("blue", opacity=0)}
+    )
+    layers = [ws.Layer(scan, name="CT"), ws.Layer(other, name="PET"), ws.Layer(other, name="hidden", visible=False)]
+    scene = ws.Scene(layers, labels=regions)
+    for point, values, label in (((2.2, 3, 1), (20, 300), "liver"), ((6, 1, 1), (60, 100), None)):
+        found = values_at(scene, np.array(point, float))
+        assert [(one["name"], one["value"]) for one in found] == list(zip(("CT", "PET"), values, strict=True))
+        assert label_at(scene, np.array(point, float)) == label
+    assert label_at(scene, np.array([50.0, 0, 0])) is None
 
 
 def test_missing_values_and_named_layers(gas: Path) -> None:

@@ -16,6 +16,7 @@ export interface ColorFieldInfo {
 
 /** A value at a picked place; null outside of the samples, and where it is missing. */
 export interface PickedValue {
+  /** The layer's, or its values'; "" of a layer alone. */
   readonly name: string;
   readonly value: number | null;
   readonly unit: string;
@@ -261,7 +262,7 @@ export interface Questions {
     answer: { labels: LabelFacts[] };
   };
   /** The world point that is seen at a pixel of the 3-D view (fractions 0..1 from the top left), or null. */
-  pick: { question: { x: number; y: number; width: number; height: number }; answer: { point: Vec3 | null; values: readonly PickedValue[] } };
+  pick: { question: { x: number; y: number; width: number; height: number }; answer: { point: Vec3 | null; values: readonly PickedValue[]; label: string | null } };
   /** The shape that is seen at a pixel of the 3-D view (fractions as for `pick`), or null; `text` is for people. */
   shape: {
     question: { x: number; y: number; width: number; height: number };

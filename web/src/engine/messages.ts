@@ -115,7 +115,7 @@ const ANSWERS: Readonly<Record<Question, Check>> = {
       }),
     ),
   }),
-  pick: open({ point: orNull(point), values: list(open({ name: text, value: orNull(number()), unit: text })) }),
+  pick: open({ point: orNull(point), values: list(open({ name: text, value: orNull(number()), unit: text })), label: orNull(text) }),
   shape: open({
     shape: orNull(open({ kind: text, name: text, part: orNull(whole), label: text, value: orNull(number()), point, text })),
   }),

@@ -115,7 +115,7 @@ export function SceneView(props: PartProps) {
         settleSoon(store);
       }}
       onResize={(size) => void ui.camera.resized(size)}
-      onHover={(place, size) => ui.probe(place && hasSomethingToTell(props) ? () => textAt(props, place, size) : null)}
+      onHover={(place, size) => ui.probe(place && (() => textAt(props, place, size)))}
       transform={(frame, size) => instant(frame, camera(), size)}
     >
       {(frame, size) => (
@@ -147,22 +147,18 @@ export function settleSoon(store: Store): void {
 
 const placed = (x: number, y: number, { width, height }: CssSize) => ({ x, y, width: Math.round(width), height: Math.round(height) });
 
-/** Whether there are shapes, or layers of two fields, which the line under the pointer names. */
-const hasSomethingToTell = ({ store, welcome }: PartProps): boolean =>
-  store.state.geometry.length > 0 || welcome.volumes.some(({ color_field }) => color_field !== null);
-
-/** The shape under the pointer, else the values of layers of two fields. */
+/** The shape under the pointer, else the values of the layers, and the label. */
 async function textAt(props: PartProps, place: Place, size: CssSize): Promise<string> {
   const shape = props.store.state.geometry.length > 0 ? await shapeAt(props, place, size) : "";
-  if (shape !== "" || !props.welcome.volumes.some(({ color_field }) => color_field !== null)) return shape;
-  return valuesText(await props.engine.ask("pick", placed(place.x / size.width, place.y / size.height, size)), props);
+  return shape !== "" ? shape : valuesText(await props.engine.ask("pick", placed(place.x / size.width, place.y / size.height, size)), props);
 }
 
-function valuesText({ point, values }: Questions["pick"]["answer"], { welcome }: PartProps): string {
+function valuesText({ point, values, label }: Questions["pick"]["answer"], { welcome }: PartProps): string {
   if (point === null || values.length === 0) return "";
   const text = ({ name, value, unit }: PickedValue): string =>
-    WORDS.scene.valueOf(name, value === null ? WORDS.scene.unknown : `${shortNumber(value, 4)} ${unit}`.trim());
-  return WORDS.slices.at(values.map(text).join(", "), placeText(point, welcome));
+    WORDS.scene.valueOf(name, value === null ? WORDS.scene.unknown : `${shortNumber(value, 4)} ${unit}`.trim()).trim();
+  const told = [...values.map(text), ...(label === null ? [] : [WORDS.slices.label(label)])];
+  return WORDS.slices.at(told.join(", "), placeText(point, welcome));
 }
 
 async function shapeAt({ engine, welcome }: PartProps, { x, y }: Place, size: CssSize): Promise<string> {

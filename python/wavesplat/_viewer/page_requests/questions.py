@@ -28,7 +28,7 @@ from wavesplat._viewer.page_requests import code, export_html, layer_rows
 from wavesplat._viewer.page_requests.code import USUAL, short_document
 from wavesplat._viewer.page_requests.measuring import label_statistics, region_statistics
 from wavesplat._viewer.page_requests.seen import Shown, check_shown, name_of, seen
-from wavesplat._viewer.page_requests.under_pointer import depth_of_matter, shape_seen, sight_at, values_at
+from wavesplat._viewer.page_requests.under_pointer import depth_of_matter, label_at, shape_seen, sight_at, values_at
 from wavesplat._viewer.server import messages
 from wavesplat._viewer.session.framed_cameras import framed, kept_in_view
 from wavesplat._viewer.session.info import data_of, fingerprint_of
@@ -313,13 +313,14 @@ def _label_statistics(state: ViewerState, _: Mapping[str, Any], __: Progress) ->
 
 
 def _pick(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:
-    """The world point where opacity reaches one half at a pixel, in projections none; values there of two fields."""
+    """The world point where opacity reaches one half at a pixel, in projections none; values and label there."""
     sight = sight_at(state.camera, _place(arguments, "pick"), _size(arguments))
     near = depth_of_matter(state, sight, progress)
     if near is None:
-        return {"point": None, "values": []}, b""
+        return {"point": None, "values": [], "label": None}, b""
     point = sight.point_at(near)
-    return {"point": point.tolist(), "values": values_at(state.scene, point)}, b""
+    told = {"values": values_at(state.scene, point), "label": label_at(state.scene, point)}
+    return {"point": point.tolist(), **told}, b""
 
 
 def _shape(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:

@@ -55,7 +55,7 @@ def sample_at(world_from_index: Any, shape: tuple[int, ...], point: Any) -> tupl
     return z, y, x
 
 
-# The fields that colour the layers of a viewer: facts of them for the page, and the values of both at a point.
+# The fields that colour the layers of a viewer, and the values of all layers and the label at a point.
 
 
 def color_fields_of(scene: Scene) -> list[dict[str, Any] | None]:
@@ -78,23 +78,42 @@ def _facts_of(field: Layer, seen: Layer) -> dict[str, Any]:
 
 
 def values_at(scene: Scene, point: NDArray[np.float64]) -> list[dict[str, Any]]:
-    """Values of the visible layers that a field colours, each before its field's, at a world point.
+    """Values of the visible layers at a world point, each before its field's that colours it.
 
-    Returns dictionaries of name, value of the nearest sample (None outside, and where it is missing) and unit.
+    Returns dictionaries of name ("" of a layer alone), value of the nearest sample (None outside, and where it is
+    missing) and unit.
     """
     values = []
     for layer in scene.layers:
         if layer.is_shown and layer.color_from is not None:
-            values += [_value_of(layer, point), _value_of(layer.color_from, point)]
+            fields = (layer, layer.color_from)
+            values += [_value_of(field, _name_of(field), point) for field in fields]
+        elif layer.is_shown:
+            values.append(_value_of(layer, layer.name or "" if len(scene.layers) > 1 else "", point))
     return values
 
 
-def _value_of(layer: Layer, point: NDArray[np.float64]) -> dict[str, Any]:
+def label_at(scene: Scene, point: NDArray[np.float64]) -> str | None:
+    """Name, else number, of the label that is shown at a world point; None without any."""
+    labels = scene.labels
+    if labels is None:
+        return None
+    matrix = labels.world_from_index
+    place = sample_at(scene.layers[0].drawn.world_from_index if matrix is None else matrix, labels.shape, point)
+    if place is None:
+        return None
+    code = int(labels._codes[place])
+    number = labels.numbers[code] if code < len(labels.numbers) else None
+    look = None if number is None else labels.labels.get(number)
+    return None if look is None or max(look.opacity, look.tint) == 0 else look.name or str(number)
+
+
+def _value_of(layer: Layer, name: str, point: NDArray[np.float64]) -> dict[str, Any]:
     volume = layer.drawn
     place = sample_at(volume.world_from_index, volume.shape, point) if isinstance(volume, Volume) else None
     value = None if place is None or not isinstance(volume, Volume) else value_at(volume, place)
     is_known = value is not None and isfinite(value)
-    return {"name": _name_of(layer), "value": value if is_known else None, "unit": unit_of_values(volume) or ""}
+    return {"name": name, "value": value if is_known else None, "unit": unit_of_values(volume) or ""}
 
 
 def _name_of(layer: Layer) -> str:

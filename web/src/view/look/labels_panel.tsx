@@ -4,7 +4,7 @@ import { useState } from "preact/hooks";
 import { set } from "../../state/patch.ts";
 import { withoutLabels } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
-import { Button, Switch, ColorField, NumberField } from "../fields.tsx";
+import { Button, Switch, ColorField } from "../fields.tsx";
 import { hiddenOf, isSoloLabel, labelRows, shownLabels, toggledLabel } from "./layers.ts";
 import { hexColor, namedColor } from "./looks.ts";
 import { PANEL_WORDS } from "../../panel_words.ts";
@@ -46,7 +46,7 @@ export function LabelsPanel({ store }: PartProps) {
         <span class="dim">{TEXT.count(all.filter(({ isShown }) => isShown).length, all.length)}</span>
       </div>
       {rows.length === 0 && <p class="dim">{TEXT.empty}</p>}
-      <ul class="look-list" aria-label={TEXT.list}>
+      <ul class="look-list look-labels" aria-label={TEXT.list}>
         {rows.slice(0, MAX_ROWS).map(({ number, name, look, opacity, isShown }) => (
           <li key={number} class="look-label">
             <input
@@ -63,9 +63,34 @@ export function LabelsPanel({ store }: PartProps) {
               }
               onSettle={() => store.settle()}
             />
-            <span class="look-grow look-name" title={`${name} (${number})`}>
-              {name}
-            </span>
+            <input
+              type="text"
+              class="look-grow look-quiet"
+              aria-label={TEXT.name(number)}
+              title={`${name} (${number})`}
+              value={name}
+              maxLength={200}
+              onChange={(event) => {
+                const next = event.currentTarget.value.trim();
+                if (next === "") event.currentTarget.value = name;
+                else store.change([set(next, "labels", "labels", number, "name")]);
+              }}
+              onKeyDown={(event) => event.key === "Enter" && event.currentTarget.blur()}
+            />
+            <input
+              type="range"
+              aria-label={TEXT.opacity(name)}
+              title={TEXT.opacity(name)}
+              min={0}
+              max={1}
+              step={0.01}
+              // A hidden label keeps the opacity that it comes back with.
+              value={isShown ? opacity : (hiddenOf(store).get(number)?.opacity ?? opacity)}
+              onInput={(event) =>
+                store.change([set(event.currentTarget.valueAsNumber, "labels", "labels", number, "opacity")], `opacity of label ${number}`)
+              }
+              onChange={() => store.settle()}
+            />
             <Button
               label={TEXT.soloThis(name)}
               pressed={all.length > 1 && isSoloLabel(all, number)}
@@ -73,19 +98,6 @@ export function LabelsPanel({ store }: PartProps) {
             >
               {TEXT.solo}
             </Button>
-            <NumberField
-              isBounded
-              label={TEXT.opacity(name)}
-              shown=""
-              min={0}
-              max={1}
-              step={0.01}
-              value={opacity}
-              onInput={(value) =>
-                store.change([set(value, "labels", "labels", number, "opacity")], `opacity of label ${number}`)
-              }
-              onSettle={() => store.settle()}
-            />
           </li>
         ))}
       </ul>

@@ -10,7 +10,7 @@ import type { SlicePainter } from "./slice_painter.ts";
 const PARTS = 64;
 
 /** Shows the values, the label and the place under the pointer. `on`: the newest frame, null outside of the slice. */
-export function probe({ ui, welcome }: PartProps, painter: SlicePainter, on: SliceFrame | null, place: { x: number; y: number } | null): void {
+export function probe({ ui, welcome, store }: PartProps, painter: SlicePainter, on: SliceFrame | null, place: { x: number; y: number } | null): void {
   const shown = painter.frame;
   const slice = shown?.slice;
   if (on === null || place === null || shown === null || slice === undefined || shown !== ui.frames[shown.view]) {
@@ -29,7 +29,9 @@ export function probe({ ui, welcome }: PartProps, painter: SlicePainter, on: Sli
   const values = welcome.volumes.flatMap(({ robust_range: [low, high], value_unit }, n) => {
     const value = found.values.get(n);
     if (value === undefined) return [];
-    return [value === null ? WORDS.slices.outside : `${value.toFixed(decimalsOf((high - low) / PARTS))} ${value_unit}`.trim()];
+    const text = value === null ? WORDS.slices.outside : `${value.toFixed(decimalsOf((high - low) / PARTS))} ${value_unit}`.trim();
+    return [welcome.volumes.length === 1 ? text : WORDS.scene.valueOf(store.state.layers[n]?.name ?? "", text)];
   });
-  ui.tell(WORDS.slices.at(`${values.join(", ")}${found.label === null ? "" : ` · ${found.label}`}`, placeText(point, welcome)));
+  const told = [...values, ...(found.label === null ? [] : [WORDS.slices.label(found.label)])];
+  ui.tell(WORDS.slices.at(told.join(", "), placeText(point, welcome)));
 }

@@ -159,7 +159,7 @@ scene-hashes: $(STAMPS)/package ## draw 100 scenes and print a hash of each; SCE
 brain-oracle: $(STAMPS)/package ## draw kinds, looks, windows and cameras of many volumes, read many documents, and compare with the kept lines; DATA=FOLDER, BRAIN=--keep
 	python python/tools/brain_oracle.py $(if $(DATA),--data $(DATA)) $(BRAIN)
 
-schema: $(STAMPS)/venv ## write the schema of scenes from the tables of crates/document
+schema: $(STAMPS)/venv ## write the schema of scenes, the types and checks of the page, and cases for tests from the tables of crates/document
 	cargo run --locked --profile checkout -q -p wavesplat-document --example schema
 
 roofline: $(STAMPS)/released ## time by stage against the limits of a core, with perf; ROOFLINE="--record" keeps it

@@ -201,9 +201,9 @@ describe("window and level by dragging", () => {
     expect(values(narrow.opacity)).toEqual([...values(narrow.opacity)].sort((a, b) => a - b));
   });
   test("a table stays as it is", () => {
-    const table = look({ rgba: [] });
+    const table = look({ rgba: [], values: [], magnitudes: [] });
     expect(windowed(table, 10, 10, range)).toBe(table);
-    expect([isEditable({ rgba: [] }), isEditable(FUNCTION)]).toEqual([false, true]);
+    expect([isEditable({ rgba: [], values: [], magnitudes: [] }), isEditable(FUNCTION)]).toEqual([false, true]);
   });
 });
 
@@ -240,7 +240,7 @@ test("a surface stands out where the opacity reaches half of the largest one", (
   expect(surfaceValue(FUNCTION, [0, 1])).toBe(100);
   expect(surfaceValue({ ...FUNCTION, opacity: STEP }, [0, 1])).toBe(100);
   expect(surfaceValue({ ...FUNCTION, opacity: [[0, 0]] }, [0, 8])).toBe(4);
-  expect(surfaceValue({ rgba: [] }, [0, 8])).toBe(4);
+  expect(surfaceValue({ rgba: [], values: [], magnitudes: [] }, [0, 8])).toBe(4);
 });
 
 test("a first gradient curve rises from 0", () =>

@@ -1,4 +1,4 @@
-// The parser of states and its twin in Python agree on the fixtures.
+// The check of states, which is written from the tables of crates/document, agrees with it and with the session.
 
 import { readdirSync, readFileSync } from "node:fs";
 
@@ -34,4 +34,24 @@ test.each(names("bad/"))("bad: %s", (name) => {
 
 test.each([null, 3, "x", [], {}])("%o is none", (document) => {
   expect(() => parseViewerState(document)).toThrow();
+});
+
+test("random patches of a state are taken and refused as crates/document does", () => {
+  const [first, ...cases] = readFileSync(new URL("random.jsonl", SCHEMA), "utf8")
+    .trim()
+    .split("\n")
+    .map((line) => JSON.parse(line) as { operations: Operation[]; fault: string | null; state?: unknown });
+  const rich = first?.state;
+  const told = (operations: Operation[]): string | null => {
+    try {
+      parseViewerState(patched(rich, operations));
+      return null;
+    } catch (error) {
+      return String(error);
+    }
+  };
+  expect(told([])).toBe(null);
+  const others = cases.filter(({ operations, fault }) => (told(operations) === null) !== (fault === null));
+  expect(others.map((one) => [JSON.stringify(one.operations), one.fault, told(one.operations)])).toEqual([]);
+  expect(cases.filter(({ fault }) => fault === null).length).toBeGreaterThan(cases.length / 20);
 });

@@ -304,7 +304,7 @@ describe("confirmation", () => {
           if (message === undefined) return;
           taken = message.seq;
           const after = patched(session, message.operations);
-          const isRefused = after.render.kernel === "bad";
+          const isRefused = (after.render.kernel as string) === "bad";
           session = isRefused ? session : after;
           toPage.push(() => (isRefused ? replica.refuse(message.seq) : replica.confirm(message.seq)));
         },

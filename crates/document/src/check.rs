@@ -1,11 +1,15 @@
 //! Checks of values by their forms, and the words for what is wrong.
 
+use crate::camera::CameraDocument;
+use crate::curves::{CurvesDocument, TableDocument};
 use crate::error::{FieldError, Found, quoted};
 use crate::fields::{VERSION, check_object, check_one_of, check_point, number, point, wrong, wrong_at};
 use crate::form::{Form, Names, Range};
+use crate::look::{LookDocument, check_settings, lights};
 use crate::node::{MAX_LETTERS, ValueNode};
 use crate::parts::{BY_NAME, COMPOSITE_SYNONYMS, kinds, part};
 
+const WHAT: &str = "scene";
 /// Measures with their least and largest number of points.
 const MEASURES: [(&str, usize, usize); 3] = [("distance", 2, 2), ("angle", 3, 3), ("area", 3, 200)];
 
@@ -32,7 +36,7 @@ impl Form {
             Self::List(_, least, most) if least == most => format!("it must be a list of {least}"),
             Self::List(_, least, most) => format!("it must be a list of {least} to {most}"),
             Self::Point | Self::Direction => "it must be three numbers, [x, y, z]".to_owned(),
-            Self::Part(_) | Self::Made(_) | Self::Look | Self::Measure | Self::Named(..) => {
+            Self::Part(_) | Self::Made(_) | Self::By(..) | Self::Measure | Self::Named(..) => {
                 "it must be an object".to_owned()
             }
             Self::Tuple(forms) => format!("it must be a list of {}", forms.len()),
@@ -54,7 +58,7 @@ impl Form {
     /// Whether it takes objects.
     fn takes_objects(&self) -> bool {
         match self.plain() {
-            Self::Part(_) | Self::Made(_) | Self::Look | Self::Measure | Self::OneField(..) | Self::Named(..) => true,
+            Self::Part(_) | Self::Made(_) | Self::By(..) | Self::Measure | Self::OneField(..) | Self::Named(..) => true,
             Self::Either(forms) => forms.iter().any(Self::takes_objects),
             _ => false,
         }
@@ -92,10 +96,18 @@ impl Form {
                 let mut numbered = forms.iter().zip(&items).enumerate();
                 numbered.try_for_each(|(number, (form, one))| form.check(one, &at.item(number)))
             }
-            Self::Part(name) => check_fields_of(node, name, &at.place(), at.is_dotted),
-            Self::Made(_) => checked(node.is_object()),
-            Self::Look if node.field("map").is_none() => checked(node.is_object()),
-            Self::Look => Self::Part("mapped_look").check(node, at),
+            Self::Part(name) => {
+                check_fields_of(node, name, &FieldPlace { inside: &at.place(), name: String::new(), ..*at })
+            }
+            Self::Made(_) if !at.is_deep || !node.is_object() => checked(node.is_object()),
+            Self::Made(name) => check_made(node, name, at),
+            Self::By(field, with, without) => {
+                if node.field(field).is_some() {
+                    with.check(node, at)
+                } else {
+                    without.check(node, at)
+                }
+            }
             Self::Measure => check_measure(node, &at.place()),
             Self::Absent(_) if node.is_null() => Ok(()),
             Self::OneField(kind, _) => {
@@ -106,8 +118,7 @@ impl Form {
                 };
                 let Some((inside, name)) = inside else { return Err(wrong_at(&at.place(), Some(node), &self.words())) };
                 let place = at.place();
-                Self::Part(name)
-                    .check(&inside, &FieldPlace { inside: &place, name: (*name).to_owned(), is_dotted: at.is_dotted })
+                Self::Part(name).check(&inside, &FieldPlace { inside: &place, name: (*name).to_owned(), ..*at })
             }
             Self::Named(names, form) => {
                 if !node.is_object() {
@@ -118,7 +129,7 @@ impl Form {
                 let place = at.place();
                 found.into_iter().try_for_each(|name| {
                     at.check_name(&name, names)?;
-                    let inside = FieldPlace { inside: &place, name, is_dotted: at.is_dotted };
+                    let inside = FieldPlace { inside: &place, name, ..*at };
                     node.field(&inside.name).map_or(Ok(()), |one| form.check(&one, &inside))
                 })
             }
@@ -142,17 +153,36 @@ impl Form {
 }
 
 /// Refuses an object that is not as a part.
-pub(crate) fn check_fields_of<N: ValueNode>(
-    node: &N,
-    name: &str,
-    place: &str,
-    is_dotted: bool,
-) -> Result<(), FieldError> {
-    check_names_of(node, name, place)?;
+pub(crate) fn check_fields_of<N: ValueNode>(node: &N, name: &str, at: &FieldPlace<'_>) -> Result<(), FieldError> {
+    check_names_of(node, name, at.inside)?;
     part(name).fields.iter().try_for_each(|field| match node.field(field.name) {
-        Some(value) => field.form.check(&value, &FieldPlace { inside: place, name: field.name.to_owned(), is_dotted }),
+        Some(value) => field.form.check(&value, &FieldPlace { name: field.name.to_owned(), ..*at }),
         None => Ok(()),
     })
+}
+
+/// Refuses an object that another type is read from: as that reads it, and by the values of its fields.
+fn check_made<N: ValueNode>(node: &N, name: &str, at: &FieldPlace<'_>) -> Result<(), FieldError> {
+    let place = at.place();
+    match name {
+        "camera" => CameraDocument::read(node).map(drop).map_err(|error| error.inside(WHAT))?,
+        "look" => {
+            let curves = LookDocument::read_part(node, true).map_err(|error| error.inside(&place))?.transfer_function;
+            let is_table = curves.field("rgba").is_some();
+            let read = if is_table {
+                TableDocument::read(&curves).map(drop)
+            } else {
+                CurvesDocument::read(&curves, true).map(drop)
+            };
+            read.map_err(|error| error.inside(&place))?;
+        }
+        "shading" => {
+            let read = lights(node).and_then(|lights| lights.iter().try_for_each(|light| check_settings(light, true)));
+            read.and_then(|()| check_settings(node, false)).map_err(|error| error.inside(WHAT))?;
+        }
+        _ => {}
+    }
+    check_fields_of(node, name, &FieldPlace { inside: &place, name: String::new(), is_dotted: name == "view", ..*at })
 }
 
 /// Refuses what is no object, or has not the fields of a part, whatever their values.
@@ -191,6 +221,8 @@ pub(crate) struct FieldPlace<'a> {
     pub inside: &'a str,
     pub name: String,
     pub is_dotted: bool,
+    /// Whether cameras, looks and light are checked too, which say themselves what is wrong where they are made.
+    pub is_deep: bool,
 }
 
 impl FieldPlace<'_> {

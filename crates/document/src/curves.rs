@@ -8,14 +8,12 @@
 use crate::error::{FieldError, Found};
 use crate::fields::{check_fields, check_list, optional_number, wrong, wrong_at};
 use crate::node::{MAX_LETTERS, ValueNode};
+use crate::parts::SCALES;
 
 const CURVES: &str = "transfer function";
 const TABLE: &str = "two-dimensional transfer function";
 /// Most axes of an array, as NumPy has them.
 const MAX_AXES: usize = 64;
-/// Scales of the values: samples, or places in a volume's own range of values.
-const SCALES: [&str; 7] = ["samples", "hounsfield", "fraction", "object", "signed", "maximum", "log"];
-
 /// A transfer function of the value, as its document describes it. Whether nodes are in order and opacities within 0..1 is
 /// for the transfer function to say that is made of it.
 #[derive(Clone, Debug, PartialEq)]

@@ -32,6 +32,15 @@ pub enum Found {
     Fault,
 }
 
+impl FieldError {
+    /// The error as one of a part of another document.
+    #[must_use]
+    pub fn inside(mut self, document: &str) -> Self {
+        self.document = format!("{document}: {}", self.document);
+        self
+    }
+}
+
 impl fmt::Display for FieldError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { document, wanted, .. } = self;

@@ -29,8 +29,8 @@ pub(crate) enum Form {
     Part(&'static str),
     /// An object with the fields of a part, which are read where it is made: camera, look, light.
     Made(&'static str),
-    /// The object of a look, or that of a colour map over a window.
-    Look,
+    /// An object of one form if it has a field, else of another.
+    By(&'static str, &'static Form, &'static Form),
     /// A measure with the points of its kind.
     Measure,
     /// An object of one field, which names one of some kinds; the words before them in messages.
@@ -98,6 +98,8 @@ pub(crate) struct DocumentPart {
     pub fields: &'static [FieldForm],
     /// Of these sets of fields one at least must be there.
     pub either: &'static [&'static [&'static str]],
+    /// Of these fields exactly one has a value, which the reader of the part says.
+    pub one_of: &'static [&'static str],
     /// Whether it may have other fields too.
     pub is_open: bool,
     /// Words for what is no object.
@@ -109,6 +111,8 @@ pub(crate) struct FieldForm {
     pub name: &'static str,
     pub form: Form,
     pub is_needed: bool,
+    /// Whether states have it that the session sends to the page, which may leave it out.
+    pub is_sent: bool,
     pub about: &'static str,
 }
 
@@ -120,6 +124,11 @@ impl DocumentPart {
 }
 
 impl FieldForm {
+    /// The field as one that the session's states have.
+    pub const fn sent(self) -> Self {
+        Self { is_sent: true, ..self }
+    }
+
     /// The field with a sentence about it.
     pub const fn about(self, about: &'static str) -> Self {
         Self { about, ..self }

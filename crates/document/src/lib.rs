@@ -28,6 +28,7 @@ mod parts;
 mod patch;
 mod scene;
 mod schema;
+mod typescript;
 mod view;
 
 pub use camera::{CameraDocument, LensField};
@@ -37,6 +38,7 @@ pub use fields::{LARGEST, VERSION, check_fields, check_list, is_number, is_point
 pub use look::{LookDocument, MaterialsDocument, check_material, check_settings, lights};
 pub use node::{ChangedNode, ValueNode};
 pub use patch::{MAX_STEPS, patched};
-pub use scene::{check_part, check_state, fields_of_part};
+pub use scene::{check_document, check_part, check_state, fields_of_part};
 pub use schema::{scene_schema, written};
+pub use typescript::state_types;
 pub use view::{ViewSection, check_view, default_view};

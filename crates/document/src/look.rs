@@ -47,8 +47,13 @@ impl<N: ValueNode> LookDocument<N> {
     /// # Errors
     /// If a field is missing, unknown or wrong; the error names the field.
     pub fn read(node: &N) -> Result<Self, FieldError> {
+        Self::read_part(node, false)
+    }
+
+    /// Reads the same of a look that is part of a scene, and needs no version there.
+    pub(crate) fn read_part(node: &N, in_scene: bool) -> Result<Self, FieldError> {
         let known = [&["version", "transfer_function", "shading"], &TEXTS[..]].concat();
-        check_fields(node, LOOK, &known[..2], &known, "Look.to_json")?;
+        check_fields(node, LOOK, &known[usize::from(in_scene)..2], &known, "Look.to_json")?;
         let mut texts = [const { None }; 7];
         for (text, name) in texts.iter_mut().zip(TEXTS) {
             let Some(given) = node.field(name).filter(|given| !given.is_null()) else { continue };

@@ -1,20 +1,26 @@
 //! Tables of the parts of documents: scenes, and the viewer's state. The schema and the page's types are written from them.
 
-use Form::{Absent, Any, Direction, Either, List, Made, Named, Never, Null, OneField, OneOf, Operator, Point, Said};
+use Form::{
+    Absent, Any, By, Direction, Either, List, Made, Named, Never, Null, OneField, OneOf, Operator, Point, Said,
+};
 use Form::{Switch, Text, Tuple, Version, Whole};
 
 use crate::form::{DocumentPart, FieldForm, Form, NOT_NEGATIVE, NUMBER, Names, POSITIVE, Range, SHARE, UNBOUND};
 
 const fn must(name: &'static str, form: Form) -> FieldForm {
-    FieldForm { name, form, is_needed: true, about: "" }
+    FieldForm { name, form, is_needed: true, is_sent: true, about: "" }
+}
+
+const fn within(least: f64, most: f64) -> Form {
+    Form::Number(Range { least: Some(least), most: Some(most), ..UNBOUND })
 }
 
 const fn may(name: &'static str, form: Form) -> FieldForm {
-    FieldForm { name, form, is_needed: false, about: "" }
+    FieldForm { name, form, is_needed: false, is_sent: false, about: "" }
 }
 
 const NO_FIELDS: DocumentPart =
-    DocumentPart { name: "", about: "", fields: &[], either: &[], is_open: false, words: None };
+    DocumentPart { name: "", about: "", fields: &[], either: &[], one_of: &[], is_open: false, words: None };
 
 const fn one(name: &'static str, about: &'static str, fields: &'static [FieldForm]) -> DocumentPart {
     DocumentPart { name, about, fields, ..NO_FIELDS }
@@ -39,7 +45,7 @@ const MAX_SIDE_PX: i64 = 16384;
 const MAX_MEASURES: usize = 1000;
 const MAX_PANELS: usize = 100;
 /// Most corners of a region.
-const MAX_REGION_POINTS: usize = 200;
+pub(crate) const MAX_REGION_POINTS: usize = 200;
 
 pub(crate) const QUALITIES: [&str; 4] = ["draft", "normal", "fine", "high"];
 pub(crate) const KERNELS: [&str; 5] = ["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"];
@@ -63,6 +69,10 @@ pub(crate) const BY_NAME: &[&str] = COMPOSITES.split_at(COMPOSITES.len() - 1).0;
 pub(crate) const COMPOSITE_SYNONYMS: [(&str, &str); 3] =
     [("mip", "maximum"), ("minip", "minimum"), ("average", "mean")];
 const EYES: [&str; 5] = ["side-by-side", "top-bottom", "anaglyph", "left", "right"];
+pub(crate) const VIEWS: [&str; 4] = ["3d", "z", "y", "x"];
+/// Slices by the world's axis across them.
+pub(crate) const PANES: [&str; 3] = ["z", "y", "x"];
+pub(crate) const MEASURES: [&str; 3] = ["distance", "angle", "area"];
 /// Turning by a drag: about an upright axis, or freely.
 pub(crate) const TURNINGS: [&str; 2] = ["turntable", "trackball"];
 /// Colour maps of slices.
@@ -85,7 +95,22 @@ const COLORS: Form = Form::Def(
 const VALUES: Form = Form::Def("values", &List(&NUMBER_OR_NULL, 0, usize::MAX), "A value each; null is not drawn.");
 const SIZES: Form = Form::Def("sizes", &Either(&[POSITIVE, List(&POSITIVE, 0, usize::MAX)]), "");
 const FACE: Form = List(&Whole(0, i64::MAX), 3, 3);
-const LOOK: Form = Said(&Either(&[Text, Null, Form::Look]), "it must be an object, a name or null");
+const LOOK: Form = Said(
+    &Either(&[Text, Null, By("map", &Form::Part("mapped_look"), &Made("look"))]),
+    "it must be an object, a name or null",
+);
+/// Scales of the values of curves: samples, or places in a volume's own range of values.
+pub(crate) const SCALES: [&str; 7] = ["samples", "hounsfield", "fraction", "object", "signed", "maximum", "log"];
+const OPACITY_POINT: Form = Form::Def(
+    "opacity_point",
+    &Tuple(&[NUMBER, SHARE]),
+    "Point of an opacity curve, [value, opacity 0..1]; values ascend.",
+);
+const COLOR_POINT: Form = Form::Def(
+    "color_point",
+    &Tuple(&[NUMBER, SHARE, SHARE, SHARE]),
+    "Point of a colour curve, [value, red, green, blue], colours 0..1; values ascend.",
+);
 const SHADING: Form = Either(&[OneOf(&["look"]), Null, Made("shading")]);
 const COMPOSITE: Form = Either(&[Operator, Null, OneField("operator", "a name, or ")]);
 const QUALITY: Form = Either(&[OneOf(&QUALITIES), Form::Part("quality")]);
@@ -165,8 +190,34 @@ pub(crate) static PARTS: &[DocumentPart] = &[
     one("color_field", "A field whose values give a layer its colours, by the colours of the look.", &[
         must("volume", VOLUME), NAME, may("look", LOOK),
     ]),
-    DocumentPart { is_open: true, ..one("look", "", &[must("transfer_function", Any)]) },
-    DocumentPart { is_open: true, ..one("shading", "", &[]) },
+    one("look", "The look of a layer. States have every look in full.", &[
+        must("transfer_function", By("rgba", &Form::Part("transfer_function_2d"), &Form::Part("transfer_function"))),
+        may("name", Absent(&Text)).sent(), may("description", Absent(&Text)).sent(), may("kind", TEXT_OR_NULL),
+        may("shading", Either(&[Null, Made("shading")])).sent(),
+        may("composite", Absent(&OneOf(&COMPOSITES))).sent(), may("view", TEXT_OR_NULL).sent(),
+        may("background", TEXT_OR_NULL).sent(), may("part", TEXT_OR_NULL), may("version", Version),
+    ]),
+    one("transfer_function", "", &[
+        must("opacity", List(&OPACITY_POINT, 1, usize::MAX)), must("color", List(&COLOR_POINT, 1, usize::MAX)),
+        may("opacity_unit", POSITIVE_OR_NULL).sent(), may("opacity_unit_share", POSITIVE_OR_NULL),
+        may("gradient_opacity", List(&Tuple(&[NOT_NEGATIVE, SHARE]), 0, usize::MAX)), may("values", OneOf(&SCALES)),
+        may("name", Any), may("description", Any), may("version", Version),
+    ]),
+    one("transfer_function_2d", "A function of value and gradient magnitude, or of a second field: a table.", &[
+        must("rgba", Any), must("values", Any), must("magnitudes", Any), may("rows", OneOf(&["gradient", "field"])),
+        may("opacity_unit", POSITIVE_OR_NULL), may("name", Any), may("description", Any), may("version", Version),
+    ]),
+    one("light", "", &[
+        must("direction", Direction), may("color", List(&NOT_NEGATIVE, 3, 3)), may("frame", OneOf(&["camera", "world"])),
+    ]),
+    one("shading", "Phong coefficients, lights, occlusion and shadows.", &[
+        may("ambient", NOT_NEGATIVE).sent(), may("diffuse", NOT_NEGATIVE).sent(), may("specular", NOT_NEGATIVE).sent(),
+        may("specular_power", within(1.0, 1000.0)).sent(), may("gradient_smoothing", within(0.0, 1.25)).sent(),
+        may("gradient_offset", within(0.01, 4.0)).sent(), may("unoriented", SHARE).sent(), may("even_cuts", SHARE).sent(),
+        may("shoulder", SHARE).sent(), may("exposure", NOT_NEGATIVE).sent(),
+        may("lights", List(&Form::Part("light"), 0, usize::MAX)).sent(), may("ambient_occlusion", SHARE).sent(),
+        may("occlusion_radius", POSITIVE_OR_NULL).sent(), may("shadow", SHARE).sent(),
+    ]),
     one("state", "The state of the viewer: a scene whose volumes and shapes are open, with the field `view`.", &[
         must("wavesplat", OneOf(&["scene"])),
         must("version", Version),
@@ -181,14 +232,14 @@ pub(crate) static PARTS: &[DocumentPart] = &[
         must("view", Made("view")),
     ]),
     one("state_volume", "A volume by the number under which it is open; the page can neither name files nor change this.", &[
-        must("path", Null), may("name", Text), may("id", Whole(1, i64::MAX)),
+        must("path", Null), may("name", Text).sent(), may("id", Whole(1, i64::MAX)),
     ]),
     one("state_layer", "", &[
-        must("volume", Form::Part("state_volume")), NAME, must("look", Made("state_look")), VISIBLE,
-        may("opacity", Absent(&SHARE)), may("time", Whole(i64::MIN, i64::MAX)),
+        must("volume", Form::Part("state_volume")), may("name", Text).sent(), must("look", Made("look")), VISIBLE.sent(),
+        may("opacity", Absent(&SHARE)).sent(), may("time", Whole(i64::MIN, i64::MAX)).sent(),
     ]),
     one("state_labels", "", &[
-        must("volume", Form::Part("state_volume")), may("labels", LABEL_LOOKS), may("smooth", Switch),
+        must("volume", Form::Part("state_volume")), may("labels", LABEL_LOOKS).sent(), may("smooth", Switch).sent(),
     ]),
     one("state_shape", "A shape in space, with the number of its triangles, paths or points.", &[
         must("kind", Text), must("name", Text), must("count", NUMBER),
@@ -196,7 +247,7 @@ pub(crate) static PARTS: &[DocumentPart] = &[
         may("id", Whole(1, i64::MAX)).about("Number under which it is open."),
     ]),
     one("state_render", "Settings of the picture at rest; its size is the view's.", &[
-        may("size", Any), must("quality", QUALITY), may("kernel", OneOf(&KERNELS)), may("composite", COMPOSITE),
+        may("size", Any), must("quality", QUALITY), may("kernel", OneOf(&KERNELS)).sent(), may("composite", Absent(&Either(&[OneOf(BY_NAME), OneField("operator", "a name, or ")]))).sent(),
     ]),
     one("mapped_look", "The colours of a map over a window of values, clear up to its low end, as Layer.overlay makes it.", &[
         must("map", Said(&Text, "it must be the name of a colour map")),
@@ -247,11 +298,12 @@ pub(crate) static PARTS: &[DocumentPart] = &[
         may("box", List(&Point, 2, 2)), may("ticks", Switch), may("units", Switch), may("grid", Switch),
         may("color", COLORS), may("width", POSITIVE), OPACITY, VISIBLE, NAME,
     ]),
-    one("camera", "", &[
+    DocumentPart { one_of: &["parallel_scale", "view_angle"], ..one("camera", "A camera, world units: with `parallel_scale` \
+        (half the picture's height) or, in perspective, `view_angle` in degrees.", &[
         must("version", Version), must("position", Point), must("focal_point", Point), must("view_up", Point),
-        may("parallel_scale", POSITIVE),
-        may("view_angle", Form::Number(Range { above: Some(0.0), below: Some(180.0), ..UNBOUND })),
-    ]),
+        may("parallel_scale", Absent(&POSITIVE)),
+        may("view_angle", Absent(&Form::Number(Range { above: Some(0.0), below: Some(180.0), ..UNBOUND }))),
+    ])},
     one("render", "", &[
         may("size", Absent(&Said(&List(&Whole(1, MAX_SIDE_PX), 2, 2), "it must be [width, height], 1 to 16384 pixels each"))),
         may("quality", Absent(&QUALITY)),
@@ -287,34 +339,40 @@ pub(crate) static PARTS: &[DocumentPart] = &[
     step("smoothed"), step("largest_body"), step("moved"), step("wavelets"), step("level"), step("bands"),
     step("to_volume"), step("times"),
     one("view", "What only the viewer has: layout, slices, measures, what lies over the pictures.", &[
-        may("layout", Form::Part("view_layout")),
-        may("overlays", Named(Names::OneOf(&OVERLAYS), &Switch)),
-        may("quality", Form::Part("view_quality")),
-        may("interface", Form::Part("interface")),
-        may("slices", Form::Part("slices")),
-        may("measures", List(&Form::Measure, 0, MAX_MEASURES)),
+        may("layout", Form::Part("view_layout")).sent(),
+        may("overlays", Named(Names::OneOf(&OVERLAYS), &Switch)).sent(),
+        may("quality", Form::Part("view_quality")).sent(),
+        may("interface", Form::Part("interface")).sent(),
+        may("slices", Form::Part("slices")).sent(),
+        may("measures", List(&Form::Measure, 0, MAX_MEASURES)).sent(),
     ]),
     one("view_layout", "", &[
-        may("name", OneOf(&["3d", "one-and-three", "two-by-two", "single"])),
-        may("main", OneOf(&["3d", "z", "y", "x"])),
+        may("name", OneOf(&["3d", "one-and-three", "two-by-two", "single"])).sent(),
+        may("main", OneOf(&VIEWS)).sent(),
     ]),
-    one("view_quality", "", &[may("moving", OneOf(&["smooth", "balanced", "exact"]))]),
+    one("view_quality", "", &[may("moving", OneOf(&["smooth", "balanced", "exact"])).sent()
+            .about("While moving: \"smooth\" holds the frame rate, \"balanced\" a better picture, \"exact\" never draws less than at rest.")]),
     one("interface", "", &[
-        may("theme", OneOf(&["system", "dark", "light"])), may("turning", OneOf(&TURNINGS)),
-        may("panels", List(&Said(&Text, "it must be a name"), 0, MAX_PANELS)),
+        may("theme", OneOf(&["system", "dark", "light"])).sent(),
+        may("turning", OneOf(&TURNINGS)).sent().about("Turning by a drag: about an upright axis, or freely."),
+        may("panels", List(&Said(&Text, "it must be a name"), 0, MAX_PANELS)).sent(),
     ]),
     one("slices", "", &[
-        may("crosshair", Point),
-        may("slab", OneOf(&["maximum", "minimum", "mean"])),
-        may("thickness", Said(&NOT_NEGATIVE, "it must be 0 or a length")),
-        may("zoom", Form::Number(Range { least: Some(0.01), most: Some(1000.0), ..UNBOUND })),
-        may("center", Point),
-        may("colors", OneOf(&SLICE_COLORS)),
-        may("window", Said(&Tuple(&[NUMBER, POSITIVE]), "it must be [level, width]")),
-        may("normals", Form::Part("normals")),
+        may("crosshair", Point).sent().about("World position where the three planes meet."),
+        may("slab", OneOf(&["maximum", "minimum", "mean"])).sent(),
+        may("thickness", Said(&NOT_NEGATIVE, "it must be 0 or a length")).sent()
+            .about("Thickness of the slab, world units; 0 is a plane."),
+        may("zoom", within(0.01, 1000.0)).sent(),
+        may("center", Point)
+            .about("World position in the middle of all panes; absent: the middle of the first volume's box."),
+        may("colors", OneOf(&SLICE_COLORS)).about("Colour map of the first layer; absent: grey, of PET inverted."),
+        may("window", Said(&Tuple(&[NUMBER, POSITIVE]), "it must be [level, width]"))
+            .about("[level, width]; absent: the default of the kind of data."),
+        may("normals", Form::Part("normals"))
+            .about("Unit normals of planes that were tilted; the others are at right angles to the world's axes."),
     ]),
     one("normals", "", &[may("z", Direction), may("y", Direction), may("x", Direction)]),
-    one("measure", "", &[
-        must("kind", OneOf(&["distance", "angle", "area"])), must("points", List(&Point, 2, MAX_REGION_POINTS)),
+    one("measure", "A measure by world points: two for a distance; three for an angle, whose vertex is the second; corners of a region.", &[
+        must("kind", OneOf(&MEASURES)), must("points", List(&Point, 2, MAX_REGION_POINTS)),
     ]),
 ];

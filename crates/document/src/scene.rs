@@ -20,7 +20,7 @@ pub fn fields_of_part(name: &str) -> [Vec<&'static str>; 2] {
 /// # Errors
 /// If it is such a part; the message names the field.
 pub fn check_part(node: &impl ValueNode, place: &str, name: &str) -> Result<(), FieldError> {
-    check_fields_of(node, name, place, false)
+    check_fields_of(node, name, &FieldPlace { inside: place, name: String::new(), is_dotted: false, is_deep: false })
 }
 
 /// Refuses a document that is no state of the viewer by a field. `is_checked`: whether a field is known to be right.
@@ -30,9 +30,19 @@ pub fn check_part(node: &impl ValueNode, place: &str, name: &str) -> Result<(), 
 pub fn check_state<N: ValueNode>(node: &N, is_checked: impl Fn(&str, &N) -> bool) -> Result<(), FieldError> {
     check_names_of(node, "state", WHAT)?;
     part("state").fields.iter().try_for_each(|field| match node.field(field.name) {
-        Some(value) if !is_checked(field.name, &value) => {
-            field.form.check(&value, &FieldPlace { inside: WHAT, name: field.name.to_owned(), is_dotted: false })
-        }
+        Some(value) if !is_checked(field.name, &value) => field
+            .form
+            .check(&value, &FieldPlace { inside: WHAT, name: field.name.to_owned(), is_dotted: false, is_deep: false }),
         _ => Ok(()),
     })
+}
+
+/// Refuses a scene's document or, of another name, a part of one such as "state", by any value in it: by those of
+/// cameras, looks and light too. What only the things can say that are made of it, such as whether the nodes of a curve
+/// are in order, is left to them.
+///
+/// # Errors
+/// If it is such a document; the message names the field.
+pub fn check_document(node: &impl ValueNode, name: &str) -> Result<(), FieldError> {
+    check_fields_of(node, name, &FieldPlace { inside: WHAT, name: String::new(), is_dotted: false, is_deep: true })
 }

@@ -52,6 +52,7 @@ fn definition(name: &str) -> Option<Value> {
                 named(form, name)
             }
             Form::List(form, ..) => named(form, name),
+            Form::By(_, one, other) => named(one, name).or_else(|| named(other, name)),
             Form::Either(forms) | Form::Tuple(forms) => forms.iter().find_map(|form| named(form, name)),
             _ => None,
         }
@@ -123,8 +124,11 @@ fn of_form(form: &Form) -> Value {
             json!({"type": "array", "minItems": forms.len(), "maxItems": forms.len(), "prefixItems": items})
         }
         Form::Point | Form::Direction => to("triple"),
+        // Reports of Python hold their numbers in tuples, which are no arrays of the schema.
+        Form::Made("look") => json!({"type": "object", "required": ["transfer_function"]}),
+        Form::Made("shading") => json!({"type": "object"}),
         Form::Part(name) | Form::Made(name) | Form::Def(name, ..) => to(name),
-        Form::Look => json!({"anyOf": [to("look"), to("mapped_look")]}),
+        Form::By(_, with, without) => json!({"anyOf": [of_form(with), of_form(without)]}),
         Form::Measure => to("measure"),
         Form::OneField(of, _) => {
             let properties: Map<String, Value> = kinds(of).iter().map(|kind| ((*kind).to_owned(), to(kind))).collect();

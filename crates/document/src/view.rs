@@ -17,7 +17,7 @@
 
 use serde_json::{Value, json};
 
-use crate::check::check_fields_of;
+use crate::check::{FieldPlace, check_fields_of};
 use crate::error::FieldError;
 use crate::node::ValueNode;
 use crate::parts::OVERLAYS;
@@ -54,5 +54,6 @@ pub fn default_view(crosshair: [f64; 3]) -> [ViewSection; 6] {
 /// # Errors
 /// If something in it cannot be; the message names the field.
 pub fn check_view<N: ValueNode>(view: &N) -> Result<(), FieldError> {
-    check_fields_of(view, "view", WHAT, true)
+    let at = FieldPlace { inside: WHAT, name: String::new(), is_dotted: true, is_deep: true };
+    check_fields_of(view, "view", &at)
 }

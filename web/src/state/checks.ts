@@ -68,3 +68,72 @@ export const point = list(number(), 3, 3);
 export const whole: Check = (value, where) => {
   if (!Number.isInteger(value)) refuse(value, where, "a whole number");
 };
+
+// Checks of documents: `document.generated.ts` is made of them.
+
+/** Whole numbers, as far as floats tell them apart. */
+export const integer =
+  (low = -Infinity): Check =>
+  (value, where) => {
+    if (!Number.isSafeInteger(value) || (value as number) < low) refuse(value, where, "a whole number");
+  };
+/** One of several; the last says what is wrong. */
+export const anyOf =
+  (...checks: readonly Check[]): Check =>
+  (value, where) => {
+    const taken = checks.slice(0, -1).some((check) => {
+      try {
+        check(value, where);
+        return true;
+      } catch {
+        return false;
+      }
+    });
+    if (!taken) checks.at(-1)?.(value, where);
+  };
+/** An object is checked by one check if it has a field, else by another. */
+export const by =
+  (field: string, having: Check, lacking: Check): Check =>
+  (value, where) =>
+    (typeof value === "object" && value !== null && Object.hasOwn(value, field) ? having : lacking)(value, where);
+export const tuple =
+  (...checks: readonly Check[]): Check =>
+  (value, where) => {
+    list(any, checks.length, checks.length)(value, where);
+    checks.forEach((check, n) => check((value as unknown[])[n], `${where}[${n}]`));
+  };
+export const direction: Check = (value, where) => {
+  point(value, where);
+  if (!(value as number[]).some((one) => one !== 0)) refuse(value, where, "a direction");
+};
+/** An object of one field, which names its kind. */
+export const oneField =
+  (kinds: Readonly<Record<string, Check>>): Check =>
+  (value, where) => {
+    fields(Object.fromEntries(Object.entries(kinds).map(([name, check]) => [`${name}?`, check])))(value, where);
+    if (Object.keys(value as object).length !== 1) refuse(value, where, `an object of one field: ${Object.keys(kinds).join(", ")}`);
+  };
+export const byName = (names: readonly string[], check: Check): Check => fields(Object.fromEntries(names.map((name) => [`${name}?`, check])));
+/** An object whose fields are whole numbers. */
+export const byNumber =
+  (check: Check): Check =>
+  (value, where) => {
+    fields({ "*": check })(value, where);
+    for (const name of Object.keys(value as object)) if (!/^-?[0-9]+$/.test(name)) refuse(name, where, "an object by whole numbers");
+  };
+/** An object, exactly one of whose fields of some names has a value. */
+export const oneGiven =
+  (names: readonly string[], check: Check): Check =>
+  (value, where) => {
+    check(value, where);
+    const given = names.filter((name) => ((value as Record<string, unknown>)[name] ?? null) !== null);
+    if (given.length !== 1) throw new Error(`${where}: give one of the fields ${names.join(" and ")}`);
+  };
+/** A measure, with as many points as its kind has. */
+export const measure =
+  (check: Check): Check =>
+  (value, where) => {
+    check(value, where);
+    const { kind: what, points } = value as { kind: string; points: unknown[] };
+    list(any, what === "distance" ? 2 : 3, { distance: 2, angle: 3 }[what])(points, `${where}.points`);
+  };

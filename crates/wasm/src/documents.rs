@@ -3,7 +3,7 @@
 use serde_json::Value;
 use wavesplat::document::{
     CameraDocument, CurvesDocument, FieldError, LookDocument, MaterialsDocument, TableDocument, ValueNode,
-    check_material, check_settings, check_state, check_view, lights, patched,
+    check_document, check_material, check_settings, check_view, lights, patched,
 };
 
 use crate::requests;
@@ -18,7 +18,7 @@ const OBJECTS: [(&str, &str, &str); 5] = [
 ];
 
 /// The value of a document's text, if it is valid. `kind`: "camera", "look", "transfer function", "transfer function 2d",
-/// "materials", "state", of which the fields are checked, or "view", the field of the viewer's state.
+/// "materials", "scene", "state" of the viewer, or "view", a field of it.
 ///
 /// # Errors
 ///
@@ -37,7 +37,7 @@ pub fn checked(kind: &str, text: &str) -> Result<Value, String> {
         "materials" => MaterialsDocument::read(&node).and_then(|read| {
             read.materials.iter().enumerate().try_for_each(|(number, material)| check_material(material, number))
         }),
-        "state" => check_state(&node),
+        "scene" | "state" => check_document(&node, kind),
         "view" => check_view(&node),
         _ => return Err(format!("there is no document '{kind}'")),
     };

@@ -71,7 +71,7 @@ export type CameraWish =
 
 export type LookWish = { readonly preset: string } | { readonly document: unknown };
 
-export type DocumentKind = "camera" | "look" | "transfer function" | "transfer function 2d" | "materials" | "state" | "view";
+export type DocumentKind = "camera" | "look" | "transfer function" | "transfer function 2d" | "materials" | "scene" | "state" | "view";
 
 /** A plane of pixels in the world: the centre of the first one, and the steps along a row and to the next row. */
 export interface SlicePlane {

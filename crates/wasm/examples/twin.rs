@@ -69,6 +69,8 @@ fn bytes_of(hex: &str) -> Result<Vec<u8>, std::num::ParseIntError> {
 
 /// Processor time of this thread, the only one; 0 where the system does not tell it.
 fn processor_ms() -> f64 {
+    // Linux counts up to the last tick or change of threads; this is one.
+    std::thread::yield_now();
     let spent = std::fs::read_to_string("/proc/self/schedstat").unwrap_or_default();
     spent.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or(0.0) / 1e6
 }

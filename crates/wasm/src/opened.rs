@@ -227,7 +227,12 @@ impl OpenedVolume {
         };
         let size = counts(&asked["size"], "size")?;
         let (scene, composite) = self.scene()?;
-        let options = FrameOptions { composite: *composite, effort: Effort::Named(quality), ..FrameOptions::default() };
+        let options = FrameOptions {
+            composite: *composite,
+            effort: Effort::Named(quality),
+            n_threads: Some(1),
+            ..FrameOptions::default()
+        };
         let frame = scene.render(&self.pose()?.camera().map_err(message)?, size, &options).map_err(message)?;
         let bytes = straight_bytes(frame.picture.rgba.as_flattened());
         self.picture = Some(frame.picture);
@@ -272,7 +277,7 @@ impl OpenedVolume {
             Some((scene, _)) => scene.layers[0].volume.clone(),
             None => wavesplat::SceneVolume::Samples(self.volume.clone(), std::sync::Arc::default()),
         };
-        volume.slice(&plane, &slab, Kernel::Linear, None, &()).map_err(message)
+        volume.slice(&plane, &slab, Kernel::Linear, Some(1), &()).map_err(message)
     }
 }
 

@@ -5,6 +5,7 @@ import shlex
 import subprocess
 import sys
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,6 +79,35 @@ def test_ct_and_pet_have_a_short_link_that_gives_the_state_again(scans):
     assert str(scans) not in text
     back = questions.state_from_text(state, json.dumps(json.loads(text)["state"]))
     assert back.document == state.document
+
+
+def test_a_threshold_is_short_in_commands_and_a_gamma_in_links(scans):
+    def changed(state, **wanted):
+        told = questions.answer_of(state, "layer_change", {"layer": 1, **wanted})[0]
+        return state.patched(told["operations"])
+
+    state = changed(with_pet(), threshold=2)
+    assert "pet.nrrd:hot:2,8:threshold=2 " in code.command_of(state, SIZE)
+    for one in (state, changed(state, gamma=0.5)):
+        text = link_of(one)
+        assert len(zlib.compress(text.encode())) * 4 / 3 < 4000
+        back = questions.state_from_text(one, json.dumps(json.loads(text)["state"]))
+        assert back.document == one.document
+
+
+def test_the_command_of_a_movie_turns_what_is_seen(scans):
+    told, _ = questions.answer_of(with_pet(), "code", {"as": "movie", "width": 65, "height": 48})
+    text = told["text"].replace("wavesplat ", f"{shlex.quote(sys.executable)} -m wavesplat ", 1)
+    text = text.replace("CT.mp4", "'%02d.png' --turn 2")
+    done = subprocess.run(["sh", "-c", text], cwd=scans, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    first, second = (np.asarray(Image.open(scans / f"{n:02}.png").convert("RGB")) for n in (0, 1))
+    assert first.shape == (48, 64, 3)
+    assert first.any()
+    assert not np.array_equal(first, second)
+    named = with_pet().patched([{"op": "replace", "path": "/layers/1/name", "value": "uptake"}])
+    with pytest.raises(ArgumentError, match="copy as Python"):
+        questions.answer_of(named, "code", {"as": "movie", "width": 65, "height": 48})
 
 
 @pytest.mark.parametrize(
@@ -166,3 +196,13 @@ def test_maps_that_are_none_are_refused(look, told):
     document["layers"][0]["look"] = look
     with pytest.raises(ArgumentError, match=told):
         questions.state_from_text(state, json.dumps(document))
+
+
+def test_the_automatic_look_of_the_command_is_a_short_command_too(scans):
+    scan = ws.open("ct.nrrd")
+    # As `wavesplat view` makes it: what stands open is filled in.
+    look = replace(ws.Look.auto(scan), background="black")
+    state = ViewerState.of(ws.Scene(scan, look, background="black"))
+    command = code.command_of(state, SIZE)
+    assert "--preset auto " in command
+    assert len(command.replace(f"{scans}/", "")) < 300

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 from wavesplat._looks import look_files, presets
 from wavesplat._looks.kinds import overlays
@@ -16,42 +16,52 @@ from wavesplat._scene.documents import geometry_json, scene_json
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import names_by_themselves
 from wavesplat._system.threads import collected_notes
+from wavesplat._viewer.page_requests import layer_rows
 from wavesplat._viewer.page_requests.seen import Shown, name_of
 from wavesplat._viewer.session.state import ViewerState
-from wavesplat.errors import WavesplatError
+from wavesplat.errors import ArgumentError, WavesplatError
 
 # Short forms of a state for links and commands: looks by the name of a preset, or of a colour map and its window.
 #
 # A look in full has some hundred numbers, one of a colour map 256 colours. Where the named look of the same volume has
 # the very same fields, the name says as much.
 
+#: The form that a state is written in.
+Use: TypeAlias = Literal["document", "link", "options"]
+
 #: Fields of a layer that may be left out where they have these values.
 USUAL: dict[str, Any] = {"visible": True, "opacity": 1.0, "time": 0}
 
 
-def short_document(state: ViewerState, document: dict[str, Any]) -> dict[str, Any]:
-    """The document, or its form for files, without what is usual and with named looks."""
+def short_document(state: ViewerState, document: dict[str, Any], use: Use = "document") -> dict[str, Any]:
+    """The document, or its form for files, without what is usual and with named looks; see `short_look`."""
     layers = []
     for number, layer in enumerate(document["layers"]):
         kept = {name: value for name, value in layer.items() if name not in USUAL or value != USUAL[name]}
         if layer["name"] == names_by_themselves(state.scene.layers)[number]:
             kept.pop("name")
-        layers.append({**kept, "look": short_look(state, number)})
+        layers.append({**kept, "look": short_look(state, number, use)})
     usual: dict[str, Any] = {"labels": None, "shading": "look", "clip": [], "geometry": []}
     rest = {name: value for name, value in document.items() if name not in usual or value != usual[name]}
     return {**rest, "layers": layers}
 
 
-def short_look(state: ViewerState, number: int) -> dict[str, Any] | str:
-    """The look of a layer: a preset's name, or {"map": name, "window": [low, high]}, or all its fields."""
+def short_look(state: ViewerState, number: int, use: Use = "document") -> dict[str, Any] | str:
+    """The look of a layer: a preset's name, or {"map": name, "window": [low, high]}, or all its fields.
+
+    use : in links and options maps may also have "threshold" and "gamma", which documents of scenes have not; but in
+        links a background that is left open is black.
+    """
     fields: dict[str, Any] = state.document["layers"][number]["look"]
     name, layer = str(fields.get("name", "")), state.scene.layers[number]
     if layer.time != 0:
         return fields
-    if name in presets.catalogue() and _fields(lambda: Look.preset(name, layer.looked_at)) == fields:
-        return name
-    if name == "auto" and number == 0 and _fields(lambda: Look.auto(layer.looked_at)) == fields:
-        return name
+    makers: list[Any] = [lambda: Look.preset(name, layer.looked_at)] if name in presets.catalogue() else []
+    makers += [lambda: Look.auto(layer.looked_at)] if name == "auto" and number == 0 else []
+    for make in makers:
+        found = _fields(make)
+        if found == fields or (use != "link" and found is not None and _on_black(found) == _on_black(fields)):
+            return name
     curves = fields["transfer_function"]
     if "color" not in curves:
         return fields
@@ -59,7 +69,12 @@ def short_look(state: ViewerState, number: int) -> dict[str, Any] | str:
     for ends in (window, None):
         if _fields(lambda: overlays.overlay(layer.looked_at, name, ends)) == fields:  # noqa: B023 - called at once
             return {"map": name} if ends is None else {"map": name, "window": window}
-    return fields
+    return fields if use == "document" else layer_rows.map_fields(layer) or fields
+
+
+def _on_black(fields: dict[str, Any]) -> dict[str, Any]:
+    """The fields of a look whose open background is black."""
+    return {**fields, "background": fields["background"] or "black"}
 
 
 def _fields(make: Any) -> Any:
@@ -94,7 +109,7 @@ def options_of(state: ViewerState, size: tuple[int, int]) -> str | None:
     names = names_by_themselves(state.scene.layers)
     if not is_plain or not all(map(_is_plain_layer, document["layers"], state.sources, names)):
         return None
-    looks = [short_look(state, number) for number in range(len(state.sources))]
+    looks = [short_look(state, number, "options") for number in range(len(state.sources))]
     first, *others = zip(looks, state.sources, strict=True)
     if not isinstance(first[0], str):
         return None
@@ -135,10 +150,11 @@ def _layer_option(look: dict[str, Any] | str, path: str) -> str | None:
         return None
     if isinstance(look, str):
         return f"{path}:{look}"
-    if "map" not in look or any(sign in look["map"] for sign in ":#,"):
+    if "map" not in look or "gamma" in look or any(sign in look["map"] for sign in ":#,"):
         return None
-    window = look.get("window")
-    return ":".join([path, look["map"], *([] if window is None else [",".join(map(_number, window))])])
+    window, threshold = look.get("window"), look.get("threshold")
+    ends = [] if window is None else [",".join(map(_number, window))]
+    return ":".join([path, look["map"], *ends, *([] if threshold is None else [f"threshold={_number(threshold)}"])])
 
 
 def _number(value: float) -> str:
@@ -168,6 +184,25 @@ def command_of(state: ViewerState, size: tuple[int, int], shown: Shown = "3d", *
         return f"{note}wavesplat render --from - -o {output}{allowed} <<'END'\n{text}END\n"
     what = f"--shown {shown} --size {size[0]}x{size[1]}{'' if marks else ' --no-marks'}"
     return f"{note}wavesplat view --state - --save {output} {what}{allowed} <<'END'\n{text}END\n"
+
+
+def movie_command_of(state: ViewerState, size: tuple[int, int]) -> str:
+    """The shell command that turns the picture in space once around, as a movie.
+
+    Raises
+    ------
+    ArgumentError
+        If options cannot say what is shown.
+    """
+    # Movies have even sides.
+    options = options_of(state, (max(2, size[0] // 2 * 2), max(2, size[1] // 2 * 2)))
+    if options is None:
+        raise ArgumentError(
+            "a movie's command has no options for labels, cuts, shapes, and changed looks or light; undo these, "
+            'or copy as Python and add `ws.movie(scene, "turn.mp4", ws.Turn(frames=120))`'
+        )
+    output = shlex.quote(f"{name_of(state, '3d')}.mp4")
+    return f"wavesplat movie {options} -o {output}\n"
 
 
 def python_of(state: ViewerState, size: tuple[int, int], shown: Shown = "3d", *, marks: bool = False) -> str:

@@ -295,6 +295,39 @@ def _automatic(look: Look, row: Row, volume: Any) -> Look:
     return look
 
 
+# Looks of maps by their settings, for links and commands.
+
+
+def map_fields(layer: Any) -> dict[str, Any] | None:
+    """The map, window, threshold and gamma that make the very look of a layer; None of other looks."""
+    look, volume = layer.look, layer.looked_at
+    is_plain = isinstance(look, Look) and look.name != "auto" and isinstance(look.transfer_function, TransferFunction)
+    row = _map_of(look, volume) if is_plain else None
+    if row is None:
+        return None
+    fields: dict[str, Any] = {"map": row.colors}
+    fields |= {} if row.is_automatic or row.window is None else {"window": list(row.window)}
+    fields |= {} if row.threshold is None else {"threshold": row.threshold}
+    fields |= {} if row.gamma == 1 else {"gamma": row.gamma}
+    return fields if look_files.fields_of(look_of_map(fields, volume)) == look_files.fields_of(look) else None
+
+
+def look_of_map(fields: Mapping[str, Any], volume: Any) -> Look:
+    """The look of `map_fields`.
+
+    Raises
+    ------
+    ArgumentError
+        If a field cannot be.
+    """
+    given = {"colors" if name == "map" else name: value for name, value in fields.items()}
+    wanted = _checked(given, "look")
+    with collected_notes():
+        window = wanted.get("window")
+        made = overlays.overlay(volume, wanted.get("colors", ""), window, wanted.get("threshold"))
+    return _with_gamma(made, wanted.get("gamma", 1.0))
+
+
 # Answers to the page's questions.
 
 
@@ -305,16 +338,23 @@ def rows(state: ViewerState) -> dict[str, Any]:
 
 def answer_change(state: ViewerState, number: int, arguments: Mapping[str, Any]) -> dict[str, Any]:
     """The changes for a row, whose fields are checked."""
-    wanted: dict[str, Any] = {}
-    for name, value in arguments.items():
-        if name == "layer":
-            continue
+    given = {name: value for name, value in arguments.items() if name != "layer"}
+    return {"operations": changes(state, number, _checked(given, "layer_change"))}
+
+
+def _checked(given: Mapping[str, Any], what: str) -> dict[str, Any]:
+    """Fields of a row, each of which can be.
+
+    Raises
+    ------
+    ArgumentError
+        If one cannot.
+    """
+    for name, value in given.items():
         if name not in CHECKS or not CHECKS[name](value):
-            raise ArgumentError(
-                f"layer_change: {name} is {described(value)}; {NEEDED.get(name, 'there is no such field')}"
-            )
-        wanted[name] = value
-    return {"operations": changes(state, number, wanted)}
+            needed = NEEDED.get(name, "there is no such field")
+            raise ArgumentError(f"{what}: {name} is {described(value)}; {needed}")
+    return dict(given)
 
 
 def _is_end(value: Any) -> bool:

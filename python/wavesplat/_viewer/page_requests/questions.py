@@ -218,7 +218,7 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
     if len(text) > MAX_TEXT:
         raise ArgumentError(f"the file has {len(text)} characters, which is more than a state has; choose another one")
     found = json_texts.decode(text, "the file is no state of the viewer")
-    document = scene_json.inside(found)
+    document = scene_json.inside(_with_looks_of_maps(state, found))
     layers = document.get("layers")
     if not isinstance(layers, list) or len(layers) != len(state.scene.layers):
         n = len(layers) if isinstance(layers, list) else 0
@@ -277,6 +277,24 @@ def _shown_shapes(open_now: list[dict[str, Any]], given: Any) -> list[dict[str, 
         {**now, "visible": shape.get("visible", True) if isinstance(shape, dict) else None}
         for now, shape in zip(open_now, shapes, strict=True)
     ]
+
+
+def _with_looks_of_maps(state: ViewerState, found: Any) -> Any:
+    """The document of a link with looks of maps that have a threshold or a gamma, which scenes' documents have not."""
+    layers = found.get("layers") if isinstance(found, dict) else None
+    if not isinstance(layers, list):
+        return found
+
+    def written_out(number: int, layer: Any) -> Any:
+        look = layer.get("look") if isinstance(layer, dict) else None
+        if not (isinstance(look, dict) and "map" in look and look.keys() & {"threshold", "gamma"}):
+            return layer
+        if number >= len(state.scene.layers):
+            return layer
+        made = layer_rows.look_of_map(look, state.scene.layers[number].looked_at)
+        return {**layer, "look": json.loads(json.dumps(look_files.fields_of(made)))}
+
+    return {**found, "layers": [written_out(number, layer) for number, layer in enumerate(layers)]}
 
 
 def _look(state: ViewerState, number: int, layer: dict[str, Any]) -> Any:
@@ -421,6 +439,7 @@ def _code(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) 
     makers: dict[str, tuple[str, Callable[[], str]]] = {
         "python": (f"{name}.py", lambda: code.python_of(wanted, size, shown, marks=marks)),
         "command": (f"{name}.sh", lambda: code.command_of(wanted, size, shown, marks=marks)),
+        "movie": (f"{name}.sh", lambda: code.movie_command_of(wanted, size)),
         "state": (f"{name}.json", lambda: scene_json.write(state.file_document(size))),
         "link": (name, lambda: _link_text(state)),
         "html": (f"{name}.html", lambda: export_html.page_of(state, picture_of(state, "3d", size, progress=progress))),
@@ -433,7 +452,7 @@ def _code(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) 
 
 def _link_text(state: ViewerState) -> str:
     """The state for a link, as short as it can be, with the fingerprint of its data."""
-    document = short_document(state, state.document)
+    document = short_document(state, state.document, "link")
     content = {"fingerprint": fingerprint_of(state.scene), "state": document}
     return json.dumps(content, ensure_ascii=False, separators=(",", ":"))
 

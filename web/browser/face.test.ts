@@ -242,6 +242,12 @@ describe("the palette", () => {
     const before = await state(page);
     await run("from the left");
     await expect.poll(async () => (await state(page)).camera.position).not.toEqual(before.camera.position);
+    await run("crop");
+    await expect.poll(async () => (await state(page)).clip.length).toBe(1);
+    await run("slice 56");
+    await expect.poll(() => page.locator('[data-view="z"] .pill').first().innerText()).toContain("56/112");
+    const [download] = await Promise.all([page.waitForEvent("download"), run("screenshot")]);
+    expect(download.suggestedFilename()).toMatch(/png$/);
     await page.keyboard.press("Control+k");
     await page.keyboard.type("no command has this");
     await page.getByText("Nothing is found for these words.").waitFor();

@@ -92,7 +92,7 @@ test("the upper face of the crop box is dragged", async () => {
   expect(await upper()).toBeLessThan(before - 20);
 });
 
-test("the sheet that saves a picture changes nothing of it", async () => {
+nightly("the sheet that saves a picture changes nothing of it", async () => {
   // So narrow that the turned volume, beside the sheet, takes a smaller scale.
   await page.setViewportSize({ width: 820, height: 700 });
   await change(page, { op: "replace", path: "/clip", value: [] }, { op: "replace", path: "/view/interface/panels", value: [] });

@@ -220,4 +220,10 @@ test("a series, played, by one click as in NiiVue", async () => {
   await click(button("Play"));
   await expect.poll(async () => (await state(page)).layers[0]?.time).toBeGreaterThan(0);
   expect(n).toBe(1);
+  // Space stops, and plays again.
+  await page.locator('[data-view="3d"]').focus();
+  await page.keyboard.press("Space");
+  await button("Play").waitFor();
+  await page.keyboard.press("Space");
+  await button("Pause").waitFor();
 });

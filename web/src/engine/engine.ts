@@ -298,10 +298,11 @@ export interface Questions {
   /** A picture of what is shown, PNG, and the name of its file. */
   picture: { question: Saved; answer: { bytes: Uint8Array<ArrayBuffer>; notes: string[]; name: string } };
   /**
-   * Text and the name of its file: a Python program or a shell command that draws the picture of the same question, the
+   * Text and the name of its file: a Python program or a shell command that draws the picture of the same question, a command
+   * that makes a movie of a turn, the
    * file for `--state`, the short state for a link, or a page.
    */
-  code: { question: Saved & { as: "python" | "command" | "state" | "link" | "html" }; answer: { text: string; name: string } };
+  code: { question: Saved & { as: "python" | "command" | "movie" | "state" | "link" | "html" }; answer: { text: string; name: string } };
   /** A token that lets one page in, for a link; asked of the server, so not in notebooks. */
   token: { question: Readonly<Record<string, never>>; answer: { token: string } };
   /** Takes the text of a state file; the answer is the state, with the volumes that are open. */

@@ -16,7 +16,7 @@ export type Action =
   | "pan-left" | "pan-right" | "pan-up" | "pan-down"
   | "zoom-in" | "zoom-out" | "roll-left" | "roll-right"
   | "view-front" | "view-back" | "view-left" | "view-right" | "view-top" | "view-bottom"
-  | "fit" | "first-view" | "level" | "slice-back" | "slice-on" | "undo" | "redo" | "find" | "help" | "leave";
+  | "fit" | "first-view" | "level" | "slice-back" | "slice-on" | "play" | "undo" | "redo" | "find" | "help" | "leave";
 
 const BOUND: readonly Omit<Key, "text">[] = [
   { keys: ["ArrowLeft"], action: "turn-left", shown: "←" },
@@ -42,6 +42,7 @@ const BOUND: readonly Omit<Key, "text">[] = [
   { keys: ["l"], action: "level", shown: "L" },
   { keys: ["["], action: "slice-back", shown: "[" },
   { keys: ["]"], action: "slice-on", shown: "]" },
+  { keys: [" "], action: "play", shown: "Space" },
   { keys: ["Ctrl+z"], action: "undo", shown: "Ctrl Z" },
   { keys: ["Ctrl+Shift+Z", "Ctrl+y"], action: "redo", shown: "Ctrl Shift Z" },
   { keys: ["Ctrl+k"], action: "find", shown: "Ctrl K" },

@@ -197,7 +197,9 @@ class App {
     if (action === "undo") store.undo();
     else if (action === "redo") store.redo();
     else if (action === "help") page.change({ help: true });
+    else if (action === "leave" && page.fields.problem !== null) page.change({ problem: null });
     else if (action === "leave" && (ui.tool !== "turn" || ui.points.length > 0)) ui.setTool("turn");
+    else if (action === "play" && !isOfControl(target, event.key)) this.root.querySelector<HTMLElement>(".look-play")?.click();
     else if (event.currentTarget === document && !page.fields.help && !isOfControl(target, event.key)) {
       ui.views.receive(event);
       return;
@@ -229,5 +231,5 @@ class App {
 
 /** Whether a key belongs to the control that has the focus: arrows scroll panels and go through lists. */
 function isOfControl(target: EventTarget | undefined, key: string): boolean {
-  return target instanceof Element && target.matches("a, button, summary, [tabindex], dialog *") && /^(Arrow|Page|Home|End|Enter$| $)/.test(key);
+  return target instanceof Element && target.matches("a, button, summary, [tabindex]:not(.viewport), dialog *") && /^(Arrow|Page|Home|End|Enter$| $)/.test(key);
 }

@@ -4,6 +4,7 @@ import { KEYS, type Key } from "../input/keys.ts";
 import { set } from "../state/patch.ts";
 import { PANEL_WORDS } from "../panel_words.ts";
 import { WORDS } from "../words.ts";
+import { deedsOf, typedCommand, type Command } from "./deeds.ts";
 import { labelRows, toggledLabel } from "./look/layers.ts";
 import { chosen } from "./look/looks.ts";
 import { titleOf } from "./look/preset_kinds.ts";
@@ -16,17 +17,12 @@ const TEXT = WORDS.palette;
 const LAYOUTS = ["3d", "one-and-three", "two-by-two", "single"] as const;
 const THEMES = ["dark", "light", "system"] as const;
 
-interface Command {
-  readonly text: string;
-  /** The group that the command belongs to, or its key. */
-  readonly hint: string;
-  readonly run: () => void;
-}
-
-export function commandsOf(part: PartProps): Command[] {
+/** The commands; of a text with numbers, the one that it is comes first. */
+export function commandsOf(part: PartProps, typed = ""): Command[] {
   const { store, ui, welcome } = part;
   const view = store.state.view;
   return [
+    ...typedCommand(part, typed).map((command) => ({ ...command, words: typed })),
     ...LAYOUTS.map((name) => ({
       text: WORDS.layouts[name],
       hint: TEXT.layout,
@@ -44,19 +40,27 @@ export function commandsOf(part: PartProps): Command[] {
     })),
     ...namedWindows(part).map(([name]) => ({ text: name, hint: TEXT.window, run: () => chooseWindow(part, name) })),
     ...THEMES.map((name) => ({ text: PANEL_WORDS.settings.themes[name], hint: TEXT.theme, run: () => store.change([set(name, "view", "interface", "theme")]) })),
+    ...deedsOf(part),
     ...labelCommands(part),
     // Last, as the list is at first: whoever looks for commands knows what arrows do.
     ...KEYS.filter(({ action }) => action !== "find").map((key) => ({ text: key.text, hint: key.shown, run: () => press(ui, key) })),
   ];
 }
 
-/** The commands that have all words of a text, those first that begin with it. */
-export function found<C extends Pick<Command, "text" | "hint">>(commands: readonly C[], text: string): C[] {
+/** The commands that have all words of a text: those first that begin with it, then those with all of them in their own text. */
+export function found<C extends Pick<Command, "text" | "hint" | "words">>(commands: readonly C[], text: string): C[] {
   const words = text.toLowerCase().split(/\s+/).filter((word) => word !== "");
   const start = text.trim().toLowerCase();
-  const hits = commands.filter(({ text: name, hint }) => words.every((word) => `${name} ${hint}`.toLowerCase().includes(word)));
-  const begins = ({ text: name }: C): boolean => name.toLowerCase().startsWith(start);
-  return [...hits.filter(begins), ...hits.filter((one) => !begins(one))];
+  const has = (all: string): boolean => words.every((word) => all.toLowerCase().includes(word));
+  const hits = commands.filter(({ text: name, hint, words: other = "" }) => has(`${name} ${hint} ${other}`));
+  const isWhole = ({ words: other = "" }: C): boolean => other.toLowerCase().split(" ").includes(start) || (start !== "" && other === text);
+  const rank = (one: C): number => {
+    if (start === "") return 0;
+    if (one.text.toLowerCase().startsWith(start)) return 0;
+    if (isWhole(one)) return 1;
+    return has(`${one.text} ${one.hint}`) ? 2 : 3;
+  };
+  return hits.map((one) => [rank(one), one] as const).sort(([a], [b]) => a - b).map(([, one]) => one);
 }
 
 function labelCommands({ store }: PartProps): Command[] {

@@ -19,10 +19,16 @@ export function Palette({ onClose, ...part }: PartProps & { onClose(): void }) {
   useEffect(() => {
     list.current?.querySelector('[aria-selected="true"]')?.scrollIntoView({ block: "nearest" });
   }, [at, text]);
-  const rows = found(commandsOf(part), text).slice(0, MAX_ROWS);
+  const rows = found(commandsOf(part, text), text).slice(0, MAX_ROWS);
   const run = (index: number): void => {
     const command = rows[index];
     if (command === undefined) return;
+    if (command.fill !== undefined) {
+      setText(command.fill);
+      setAt(0);
+      dialog.current?.querySelector("input")?.focus();
+      return;
+    }
     // First, since a command may move the focus, which closing gives back.
     dialog.current?.close();
     command.run();

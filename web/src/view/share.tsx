@@ -136,6 +136,7 @@ export function SharePanel(props: PartProps) {
         <div class="row">
           <button class="button" onClick={() => void code("python", (found) => copy(found, TEXT.thePython))}>{TEXT.python}</button>
           <button class="button" onClick={() => void code("command", (found) => copy(found, TEXT.theCommand))}>{TEXT.command}</button>
+          <button class="button" onClick={() => void code("movie", (found) => copy(found, TEXT.theMovie))}>{TEXT.movie}</button>
           {ui.host === "page" && <button class="button" onClick={() => void link()}>{TEXT.link}</button>}
         </div>
         {text !== "" && <textarea aria-label={TEXT.field} readOnly rows={5} value={text} onFocus={(event) => event.currentTarget.select()} />}
@@ -205,8 +206,7 @@ function pixelsOf(
     const [width = 0, height = 0] = size.split("x").map(Number);
     return { width, height };
   }
-  const frame = shown === "all" ? undefined : ui.frames[shown];
-  const scale = Number(frame?.settings["scale"] ?? 1);
+  const view = shown === "all" ? undefined : ui.root.querySelector(`[data-view="${shown}"]`)?.getBoundingClientRect();
   // Of several views, and of views that are not on the screen: the area of all views.
   const area = ui.root.querySelector(".views")?.getBoundingClientRect();
   // The views make room for this very sheet, where it stands beside them: a picture is as wide as without it.
@@ -214,9 +214,8 @@ function pixelsOf(
   const beside = area !== undefined && sheet !== undefined && sheet.right <= area.left ? area.left - sheet.left : 0;
   const widened = area !== undefined && area.width > 0 ? 1 + beside / area.width : 1;
   const ratio = window.devicePixelRatio || 1;
-  const [width, height] = frame === undefined
-    ? [widened * (area?.width ?? 1024) * ratio, (area?.height ?? 768) * ratio]
-    : [(widened * frame.width) / scale, frame.height / scale];
+  const { width: wide, height: high } = view ?? area ?? { width: 1024, height: 768 };
+  const [width, height] = [widened * wide * ratio, high * ratio];
   const factor = size === "2" ? 2 : 1;
   return { width: Math.min(Math.round(factor * width), MAX_SIDE), height: Math.min(Math.round(factor * height), MAX_SIDE) };
 }

@@ -66,9 +66,9 @@ export function TimeBar({ store, ui, welcome }: PartProps) {
       <Button label={TEXT.before} onClick={() => step(-1)}>
         ‹
       </Button>
-      <Button pressed={isPlaying} onClick={toggle}>
+      <button type="button" class="button look-play" title={TEXT.playKey} aria-pressed={isPlaying} onClick={toggle}>
         {isPlaying ? TEXT.pause : TEXT.play}
-      </Button>
+      </button>
       <Button label={TEXT.next} onClick={() => step(1)}>
         ›
       </Button>

@@ -12,6 +12,7 @@ import { CrosshairLine } from "./crosshair.tsx";
 import type { Drawing } from "./drawing.ts";
 import { textsThatFit } from "./fitting.ts";
 import { barLength, othersOf, type SliceFrame } from "./geometry.ts";
+import { numberedSlice } from "./numbers.ts";
 import { MeasuresOnSlice } from "./measures.tsx";
 import { nameOf, PANE_COLORS } from "./panes.ts";
 import { WindowMenu, windowText } from "./window_menu.tsx";
@@ -25,9 +26,10 @@ export function SliceOverlay(props: PartProps & { pane: Pane; frame: Frame; on: 
   const { letters } = geometry;
   const unit = welcome.volumes[0]?.unit ?? TEXT.units;
   const isTilted = slices.normals?.[pane] !== undefined;
+  const numbered = numberedSlice(props, pane);
   const name = [
     isTilted ? TEXT.tilted(nameOf(props, pane)) : nameOf(props, pane),
-    `${shortNumber(geometry.position, 4)} ${unit}`,
+    `${shortNumber(geometry.position, 4)} ${unit}${numbered === null ? "" : ` · ${numbered.number}/${numbered.count}`}`,
     ...(slices.thickness > 0 ? [TEXT.slab(TEXT.slabs[slices.slab], `${shortNumber(slices.thickness)} ${unit}`)] : []),
   ];
   const room = useRef<HTMLDivElement>(null);

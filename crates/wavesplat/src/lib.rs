@@ -63,7 +63,7 @@
 //! # More types
 //!
 //! - [`Look::preset`]: looks by name, ours and 3D Slicer's; [`look`]: colour maps, windows of CT, colours of channels.
-//! - [`document::CameraDocument`]: cameras that Python or the viewer saved as JSON.
+//! - [`Scene::from_document`]: scenes that Python or the viewer saved as JSON, with camera and picture; [`document`].
 //! - [`files::read`]: volumes in NIfTI and NRRD files, with the [`Facts`] of their headers; [`kind_of`]: what they hold.
 //! - [`PlacedCamera`]: `Camera::orbit(&volume, ..)`, and `Camera::fit(&scene, ..)` around what looks show.
 //! - [`view::InView`]: cameras on an orbit, or of a named view, that show all of a volume; [`view::Pose`]: their turns.
@@ -89,6 +89,7 @@
 mod block_state;
 mod bytes;
 mod device;
+mod document_values;
 mod error;
 mod frame;
 mod kind;
@@ -100,6 +101,7 @@ mod png;
 mod quality;
 mod sample_reader;
 mod scene;
+mod scene_document;
 mod slice;
 mod stream;
 mod volume_cache;
@@ -107,6 +109,7 @@ mod volume_cache;
 pub use block_state::BlockState;
 pub use bytes::{rgb_bytes, straight_bytes};
 pub use device::{Device, DrawnBy};
+pub use document_values::DocumentError;
 pub use error::LevelError;
 pub use frame::{Frame, FrameOptions, StageTimes};
 pub use kind::kind_of;
@@ -118,6 +121,7 @@ pub use png::{PngBits, encode_png, png_of_rgba};
 pub use quality::{Effort, Quality};
 pub use sample_reader::{SampleReader, StreamError};
 pub use scene::{Scene, SceneColor, SceneLayer, SceneVolume};
+pub use scene_document::FramedScene;
 pub use stream::{Stream, StreamOptions};
 pub use volume_cache::VolumeCache;
 pub use wavesplat_splat::view::part::Part;

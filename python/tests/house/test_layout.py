@@ -148,6 +148,8 @@ ROOMS = {
         "slice",
         "device",
         "frame",
+        "document_values",
+        "scene_document",
         "block_state",
         "stream",
         "sample_reader",

@@ -6,6 +6,7 @@ from importlib.resources import files
 
 import jsonschema
 import pytest
+import rust_scenes
 
 from wavesplat import _native
 from wavesplat._model.arguments.sampling import Sampling
@@ -112,3 +113,9 @@ def test_views_take_all_names_of_the_schema():
                 assert _native.checked_view({section: {name: value}}, [0.0, 0.0, 0.0])[section][name] == value
     overlays = DEFS["view"]["properties"]["overlays"]["propertyNames"]["enum"]
     assert set(_native.checked_view({}, [0.0, 0.0, 0.0])["overlays"]) == set(overlays)
+
+
+@pytest.mark.filterwarnings("ignore:preset 'ct-bone' is for Hounsfield units")
+def test_scenes_that_the_crate_draws_are_as_here():
+    kept = [json.loads(line) for line in rust_scenes.KEPT.read_text(encoding="utf-8").splitlines()]
+    assert list(rust_scenes.lines()) == kept

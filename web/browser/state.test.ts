@@ -55,6 +55,21 @@ test("a session that does not answer dims the picture within three seconds, and 
   await page.close();
 });
 
+test("a second window has its own layout and panels, and follows the camera", async () => {
+  const one = await openViewer(browser, `http://127.0.0.1:${server.port}/`);
+  const other = await openViewer(browser, `http://127.0.0.1:${server.port}/`);
+  const before = (await state(one)).view;
+  await other.getByRole("radio", { name: "Two by two" }).click();
+  await other.locator('[data-opens="light"]').click();
+  await change(other, { op: "replace", path: "/background", value: "#102030" });
+  await expect.poll(async () => (await state(one)).background).toBe("#102030");
+  expect((await state(one)).view).toEqual(before);
+  expect(await one.locator(".viewport").count()).toBe(1);
+  expect(await other.locator(".viewport").count()).toBe(4);
+  await one.close();
+  await other.close();
+});
+
 test("a page follows another one while it is changed itself, and both end alike", async () => {
   const one = await openViewer(browser, `http://127.0.0.1:${server.port}/`);
   const other = await openViewer(browser, `http://127.0.0.1:${server.port}/`);

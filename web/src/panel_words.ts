@@ -61,6 +61,7 @@ export const PANEL_WORDS = {
     turnings: { turntable: "Turntable: stays upright", trackball: "Trackball: every way" },
     theme: "Theme",
     themes: { system: "As the system", dark: "Dark", light: "Light" },
+    follow: "Layout as in other windows",
     over: "Shown over the views",
     overlays: {
       scale_bar: "Scale bar",

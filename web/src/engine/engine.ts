@@ -311,6 +311,9 @@ export interface Questions {
 
 export type Question = keyof Questions;
 
+/** The maker of a change: Python, or another window; absent: the session's correction of ours. */
+export type Cause = "python" | "other view";
+
 export interface Engine {
   /** Resolves when the volume is open. */
   readonly welcome: Promise<Welcome>;
@@ -324,7 +327,7 @@ export interface Engine {
   shown(frame: Frame): void;
   onFrame(listener: (frame: Frame) => void): Stop;
   /** Calls back after changes by others (Python, another window) and after refusals of ours, which have no operations. */
-  onState(listener: (operations: readonly Operation[]) => void): Stop;
+  onState(listener: (operations: readonly Operation[], cause?: Cause) => void): Stop;
   /** Calls back with the share of the picture at rest of a view that is drawn, where that takes long; null: it is done. */
   onRefining(listener: (view: ViewName, part: number | null) => void): Stop;
   onConnection(listener: (connection: Connection) => void): Stop;

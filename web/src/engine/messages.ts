@@ -5,7 +5,7 @@ import { any, either, fields, flag, list, number, oneOf, point, share, text, who
 import { parseViewerState } from "../state/parse.ts";
 import type { Operation } from "../state/patch.ts";
 import { PANES } from "../state/state.ts";
-import type { Frame, Offered, Problem, Question, Questions, Welcome } from "./engine.ts";
+import type { Cause, Frame, Offered, Problem, Question, Questions, Welcome } from "./engine.ts";
 import type { Header, Payload } from "./framing.ts";
 
 export type Message =
@@ -13,7 +13,7 @@ export type Message =
   | { readonly type: "welcome"; readonly welcome: Welcome; readonly session: string }
   /** Progress of opening (`id` null, no `view`), of a question, or of the picture at rest of a view. */
   | { readonly type: "progress"; readonly id: number | null; readonly view?: Frame["view"]; readonly part: number | null; readonly text: string }
-  | { readonly type: "patch"; readonly operations: readonly Operation[]; readonly seq: number }
+  | { readonly type: "patch"; readonly operations: readonly Operation[]; readonly seq: number; readonly cause?: Cause }
   | { readonly type: "confirmed"; readonly seq: number; readonly corrections: readonly Operation[] }
   | { readonly type: "frame"; readonly frame: Frame }
   | { readonly type: "answer"; readonly id: number; readonly fields: Header; readonly payload: Payload }
@@ -75,7 +75,7 @@ const MESSAGES: Readonly<Record<Message["type"], Check>> = {
   start: open({ ...OFFERED, session: text }),
   welcome: open({ program: text, state, session: text, ...DATA }),
   progress: open({ id: orNull(whole), "view?": views, part: orNull(share), text }),
-  patch: open({ operations, seq: whole }),
+  patch: open({ operations, seq: whole, "cause?": oneOf("python", "other view") }),
   confirmed: open({ seq: whole, corrections: operations }),
   frame: open({
     view: views, number: whole, seq: whole, width: number(1), height: number(1), format: oneOf("jpeg", "png", "values"), "values?": values, at_rest: flag,

@@ -7,7 +7,7 @@ import type { ViewerState, ViewName } from "../state/state.ts";
 import type { Stop } from "../state/store.ts";
 import { WORDS } from "../words.ts";
 import type { Channel } from "./channel.ts";
-import type { Connection, Engine, Frame, Offered, Problem, Question, Questions, Welcome } from "./engine.ts";
+import type { Cause, Connection, Engine, Frame, Offered, Problem, Question, Questions, Welcome } from "./engine.ts";
 import type { Header, Payload } from "./framing.ts";
 import { parseAnswer, parseMessage, type Message } from "./messages.ts";
 
@@ -40,7 +40,7 @@ const LOST: Problem = { code: "lost", message: WORDS.connection.broken };
 
 export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   const frames = new Set<(frame: Frame) => void>();
-  const states = new Set<(operations: readonly Operation[]) => void>();
+  const states = new Set<(operations: readonly Operation[], cause?: Cause) => void>();
   const connections = new Set<(connection: Connection) => void>();
   const problems = new Set<(problem: Problem) => void>();
   const refinings = new Set<(view: ViewName, part: number | null) => void>();
@@ -176,9 +176,9 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     problems.forEach((listener) => listener(problem));
   };
 
-  const merge = (operations: readonly Operation[], madeUpTo: number): void => {
+  const merge = (operations: readonly Operation[], madeUpTo: number, cause?: Cause): void => {
     replica?.merge(operations, madeUpTo);
-    states.forEach((listener) => listener(operations));
+    states.forEach((listener) => listener(operations, cause));
   };
 
   const progress = ({ id, view, part, text }: Message & { type: "progress" }): void => {
@@ -199,7 +199,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
         progress(message);
         break;
       case "patch":
-        merge(message.operations, message.seq);
+        merge(message.operations, message.seq, message.cause);
         break;
       case "confirmed":
         if (message.corrections.length > 0) merge(message.corrections, message.seq);

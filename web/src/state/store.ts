@@ -3,7 +3,7 @@
 import type { Engine } from "../engine/engine.ts";
 import { differences } from "./differences.ts";
 import { patched, type Operation } from "./patch.ts";
-import type { ViewerState } from "./state.ts";
+import type { View, ViewerState } from "./state.ts";
 
 export type Stop = () => void;
 
@@ -16,6 +16,10 @@ export interface Store {
   change(operations: readonly Operation[], gesture?: string): void;
   /** Changes the state as no step of undo: for what the page mends by itself, such as the camera of a resized view. */
   adjust(operations: readonly Operation[]): void;
+  /** Whether layout, panels and theme are those that another window chose last. */
+  readonly isFollowing: boolean;
+  /** Follows other windows in layout, panels and theme, or keeps its own. */
+  follow(on: boolean): void;
   /** Ends the gesture under way: the picture at rest follows. */
   settle(): void;
   undo(): void;
@@ -42,7 +46,41 @@ const MAX_STEPS = 200;
 /** Fields of the state whose changes are no steps of undo: the look of the page itself. */
 const INTERFACE = ["/view/interface", "/view/layout"];
 
+/** The part of a state that each window has for itself. */
+type Own = Pick<View, "layout" | "interface">;
+
+const ownOf = ({ view }: ViewerState): Own => ({ layout: view.layout, interface: view.interface });
+const withOwn = (state: ViewerState, own: Own): ViewerState => ({ ...state, view: { ...state.view, ...own } });
+
 export function createStore(engine: Engine): Store {
+  /** Layout and panels of this window, once another window has chosen others; null: the session's. */
+  let own: Own | null = null;
+  let isFollowing = false;
+  let shown: { readonly of: ViewerState; readonly own: Own; readonly state: ViewerState } | null = null;
+  /** The session's state with the layout and panels of this window: one object until either is another one. */
+  const current = (): ViewerState => {
+    const of = engine.state;
+    if (own === null) return of;
+    if (shown?.of !== of || shown.own !== own) shown = { of, own, state: withOwn(of, own) };
+    return shown.state;
+  };
+  /** What this window showed, and the session's state had, at the last change. */
+  let last = ownOf(engine.state);
+  let ofSession = "";
+  const note = (): void => {
+    last = ownOf(current());
+    ofSession = JSON.stringify(ownOf(engine.state));
+  };
+  note();
+  /** Sends a change, and makes it in what this window has for itself. */
+  const send = (operations: readonly Operation[], moving: boolean): number => {
+    const isOwn = own !== null && operations.some(({ path }) => "/view".startsWith(path) || INTERFACE.some((start) => path.startsWith(start)));
+    const after = isOwn ? ownOf(patched(current(), operations)) : own;
+    const number = engine.patch(operations, moving);
+    own = after;
+    note();
+    return number;
+  };
   let seq = 0;
   let gesture: string | null = null;
   let past: ViewerState[] = [];
@@ -57,14 +95,17 @@ export function createStore(engine: Engine): Store {
 
   /** Goes to another state of the past or future; the interface stays as it is. */
   const go = (target: ViewerState): void => {
-    const { layout, interface: shown } = engine.state.view;
     gesture = null;
-    const value = { ...target, view: { ...target.view, layout, interface: shown } };
-    seq = engine.patch([{ op: "replace", path: "", value }], false);
+    seq = send([{ op: "replace", path: "", value: withOwn(target, ownOf(current())) }], false);
     notify();
   };
 
-  engine.onState((operations) => {
+  engine.onState((operations, cause) => {
+    if (JSON.stringify(ownOf(engine.state)) !== ofSession && !isFollowing) {
+      if (cause === "other view") own ??= last;
+      else if (own !== null) own = cause === "python" ? null : ownOf(engine.state);
+    }
+    note();
     // A change by others is no step of undo, and our steps do not undo it.
     const also = (before: ViewerState): ViewerState => {
       try {
@@ -83,7 +124,15 @@ export function createStore(engine: Engine): Store {
 
   return {
     get state() {
-      return engine.state;
+      return current();
+    },
+    get isFollowing() {
+      return isFollowing;
+    },
+    follow(on) {
+      isFollowing = on;
+      own = on ? null : ownOf(current());
+      notify();
     },
     get seq() {
       return seq;
@@ -93,11 +142,11 @@ export function createStore(engine: Engine): Store {
       const isStep = operations.some(({ path }) => !INTERFACE.some((start) => path.startsWith(start)));
       if (isStep && (name === undefined || name !== gesture)) remember(before);
       if (isStep) gesture = name ?? null;
-      seq = engine.patch(operations, name !== undefined);
+      seq = send(operations, name !== undefined);
       notify();
     },
     adjust(operations) {
-      seq = engine.patch(operations, false);
+      seq = send(operations, false);
       notify();
     },
     settle() {

@@ -56,6 +56,7 @@ export function SettingsPanel(props: PartProps & { readonly figures: boolean; re
         options={Object.entries(TEXT.themes)}
         onChoose={(value) => store.change([set(value, "view", "interface", "theme")])}
       />
+      <Switch label={TEXT.follow} on={store.isFollowing} onToggle={(on) => store.follow(on)} />
       <fieldset>
         <legend>{TEXT.over}</legend>
         {OVERLAYS.map((name) => (

@@ -161,8 +161,11 @@ describe("documents", () => {
     const letters = message?.replace(/[\s'"\\]/g, "");
     return letters?.includes("{") ? [...letters].sort().join("") : letters;
   };
-  /** Materials of which Python has made one, and found it wrong, before it reads the next. */
-  const MADE_BEFORE = ["materials: materials of ct, damaged 10", "materials: materials of ct, damaged 59"];
+  /** Documents with two faults, of which Python finds the other one first. */
+  const OF_TWO_FAULTS = [
+    ...["10", "59"].map((number) => `materials: materials of ct, damaged ${number}`),
+    ...["13", "50", "53"].map((number) => `scene: everything, damaged ${number}`),
+  ];
   const documents = lines(given("WAVESPLAT_DOCUMENTS")).map((line) => JSON.parse(line) as [string, Kept]);
 
   test("are taken and refused in Python's words", async () => {
@@ -171,8 +174,7 @@ describe("documents", () => {
     const answers: Told[] = [];
     let [refused, unread, taken, elsewhere] = [0, 0, 0, 0];
     for (const [name, { reader, text, answer }] of documents) {
-      // Scenes name volumes and files, which Python alone opens.
-      if (reader === "patch" || reader === "scene") continue;
+      if (reader === "patch") continue;
       const asked = { kind: reader as DocumentKind, text };
       const ours = told(() => module.check(asked.kind, text));
       calls.push({ ask: "check", asked });
@@ -186,14 +188,15 @@ describe("documents", () => {
         expect(answer.error, name).toBeDefined();
       } else {
         refused += 1;
-        if (MADE_BEFORE.includes(name)) expect(answer.error, name).toContain("number 1: material 'fat'");
-        else expect(plain(answer.error), name).toBe(plain(`ArgumentError: ${ours.error}`));
+        if (OF_TWO_FAULTS.includes(name)) expect(answer.error, name).toMatch(/number 1: material 'fat'|: clip/);
+        // Python takes reports with a scene in them too.
+        else expect(plain(answer.error?.replace(', or a report with one in "scene"', "")), name).toBe(plain(`ArgumentError: ${ours.error}`));
       }
     }
     const value = ({ text, error }: Told): unknown => (text === undefined ? error : JSON.parse(text));
     expect(answers.map(value)).toEqual(twin(calls).map(value));
     console.log(`documents: ${taken} taken, ${refused} refused in Python's words, ${unread} no JSON, ${elsewhere} refused by their makers alone`);
-    expect(refused).toBeGreaterThan(250);
+    expect(refused).toBeGreaterThan(350);
   });
 
   test("are patched as by Python", async () => {

@@ -29,6 +29,9 @@ pub fn checked(kind: &str, text: &str) -> Result<Value, String> {
     if let Some((_, name, fields)) = OBJECTS.iter().find(|(one, ..)| *one == kind && !document.is_object()) {
         return Err(format!("{name}: the JSON text is not an object; it must be {{...}} with {fields}"));
     }
+    if kind == "scene" && document["wavesplat"] != "scene" {
+        return Err("scene: this is no scene; it must be an object with \"wavesplat\": \"scene\"".to_owned());
+    }
     let found = match kind {
         "camera" => CameraDocument::read(&node).map(|_| ()),
         "look" => check_look(&node),

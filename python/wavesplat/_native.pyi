@@ -12,11 +12,10 @@ __all__ = [
     "CT_WINDOWS",
     "DARKEST",
     "FARTHEST",
-    "FAR_ABOVE_NOISE",
     "FILLED",
     "FULL_COLOR",
+    "HOUNSFIELD_ATTENUATION",
     "KINDS_OF_MODALITIES",
-    "LUMINANCE",
     "MAP_NODES",
     "N_SAMPLES_MOST",
     "PRESET_GROUPS",
@@ -25,6 +24,7 @@ __all__ = [
     "SCALES",
     "SHOWS_THROUGH",
     "SLICER_PREFIX",
+    "SOLID_LIGHT",
     "VIEWS",
     "VIEW_ANGLE",
     "Ablation",
@@ -44,6 +44,8 @@ __all__ = [
     "Volume",
     "WaveletVolume",
     "__version__",
+    "attenuation",
+    "automatic_look",
     "bent",
     "camera_all_around",
     "camera_axes",
@@ -58,13 +60,13 @@ __all__ = [
     "cameras_evenly",
     "channel_color",
     "channel_ramp",
+    "channel_window",
     "check_material",
     "check_part",
     "check_settings",
     "check_state",
     "check_values",
     "checked_view",
-    "ct_nodes",
     "curves_fields",
     "distinct_colors",
     "encode_png",
@@ -72,24 +74,26 @@ __all__ = [
     "eye_of",
     "eyes_cut",
     "eyes_settled",
-    "field_nodes",
     "fit_view",
     "gpu_adapters",
     "gpu_check",
     "gpu_count",
     "gpu_memory",
     "gpu_settle",
-    "grey_nodes",
+    "greys_of_pixels",
+    "greys_of_projection",
     "in_one_unit",
     "in_window",
+    "is_block",
     "is_number",
     "is_point",
+    "is_whole_range",
     "kind_of_data",
     "label_color",
-    "light_nodes",
     "light_step",
     "lightened",
     "lights_of",
+    "look_refused",
     "look_texts",
     "looks_like_hounsfield",
     "map_colors",
@@ -116,7 +120,6 @@ __all__ = [
     "robust_range",
     "samples_for",
     "scale_nodes",
-    "scan_nodes",
     "shown_positions",
     "sin_cos_deg",
     "slicer_presets",
@@ -127,19 +130,16 @@ __all__ = [
     "stored_offset",
     "straight_bytes",
     "table_fields",
-    "tissue_nodes",
     "turn_angles",
     "turn_around",
     "turn_in_place",
     "turn_in_view",
-    "ultrasound_nodes",
     "unit_factor",
     "unit_guesses",
     "unit_metres",
     "unit_name",
     "view_angles",
     "window_of",
-    "without_padding",
 ]
 
 __version__: str
@@ -154,7 +154,6 @@ N_SAMPLES_MOST: tuple[int, int, int]
 #: Angle of view, degrees, of views in perspective that were orthographic.
 VIEW_ANGLE: float
 #: Deviations of the noise of a background above its median that are far, of a few bright samples.
-FAR_ABOVE_NOISE: float
 #: Kinds of data of DICOM's modalities that have a look of their own.
 KINDS_OF_MODALITIES: dict[str, str]
 #: Names of quantities of calculated maps; p-values, of which low ones matter, are the last.
@@ -170,11 +169,13 @@ PRESET_GROUPS: dict[str, str]
 SLICER_PREFIX: str
 #: Scales of the values of curves, and whether they need no volume.
 SCALES: list[tuple[str, bool]]
+#: Value of air, which absorbs no x-rays, and absorption per millimetre and unit above it.
+HOUNSFIELD_ATTENUATION: tuple[float, float]
+#: Settings of the light of solid things.
+SOLID_LIGHT: dict[str, Any]
 #: Share of a channel's colour at the low end of its window, and the place of the full colour, 0..1.
 DARKEST: float
 FULL_COLOR: float
-#: Luminance of red, green and blue.
-LUMINANCE: tuple[float, float, float]
 #: Colours of a map that is even.
 MAP_NODES: int
 #: Names of curves of opacity.
@@ -704,7 +705,6 @@ def step_for(n_samples: int, most: int) -> int:
 def robust_range(values: NDArray[np.float64]) -> tuple[float, float]: ...
 def otsu(values: NDArray[np.float64], low: float, high: float) -> float: ...
 def otsu_of_scan(values: NDArray[np.float64], low: float, high: float) -> tuple[float, float, float]: ...
-def without_padding(samples: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def looks_like_hounsfield(values: NDArray[np.float64], says_ct: bool, may_be_fractional: bool) -> bool: ...
 def stored_offset(values: NDArray[np.float64]) -> float: ...
 
@@ -748,24 +748,51 @@ def kind_of_data(
 #: Values and opacities; values, red, green, blue.
 _Nodes: TypeAlias = tuple[list[tuple[float, float]], list[tuple[float, float, float, float]]]
 
-def ct_nodes(offset: float) -> _Nodes: ...
-def tissue_nodes(values: NDArray[np.float64]) -> _Nodes: ...
-def ultrasound_nodes(values: NDArray[np.float64]) -> _Nodes: ...
-def scan_nodes(values: NDArray[np.float64], gradients: NDArray[np.float64], is_anatomical: bool) -> _Nodes: ...
-def grey_nodes(values: NDArray[np.float64], is_ct: bool, is_clear_below: bool) -> _Nodes: ...
-def light_nodes(kind: str, values: NDArray[np.float64], largest: float, n_voxels: float) -> _Nodes | None:
-    """Curves of doses, shares, calculated maps and p-values, and of masks; None of other kinds."""
+#: Name, colour and wavelength of a channel.
+_ChannelFacts: TypeAlias = tuple[str, tuple[float, float, float] | None, float | None]
+#: The channel of a volume, all of its file, the file's window, whether samples are the red, green or blue of a colour
+#: picture, and the largest whole number that their type can hold.
+_VolumeChannel: TypeAlias = tuple[
+    _ChannelFacts | None, Sequence[_ChannelFacts], tuple[float, float] | None, bool, float | None
+]
+#: Samples [z, y, x] spread over a volume, its own shape, and its spacing along x, y and z.
+_Spread: TypeAlias = tuple[NDArray[np.float64], tuple[int, int, int], tuple[float, float, float]]
 
-def field_nodes(
-    values: NDArray[np.float64],
-    has_two_signs: bool,
-    fill: float | None,
-    spread: NDArray[np.float64],
-    n_planes: int,
-    n_voxels: float,
-) -> _Nodes:
-    """Curves of a field. `spread`: samples [z, y, x] spread over the volume, which has `n_planes` along z."""
+@type_check_only
+class Subject(TypedDict):
+    """A volume whose look is chosen; `Subject` of `crates/look` describes it."""
 
+    facts: KindFacts
+    kind: str
+    reason: str
+    has_few_bright: bool
+    values: NDArray[np.float64]
+    gradients: NDArray[np.float64]
+    fill: float | None
+    size: tuple[int, int, int]
+    #: Whether there are but a few, the axis along which they are far apart, and whether they are a thin stack.
+    slices: tuple[bool, int | None, bool]
+    channel: _VolumeChannel
+    #: Samples [z, y, x] spread over the volume.
+    spread: Callable[[], NDArray[np.float64]]
+
+def look_refused(range: tuple[float, float], has_missing: bool, composite: str | None) -> str | None:
+    """Why a volume has no automatic look: "uniform" or "too far apart"; None where it has one."""
+
+def automatic_look(
+    subject: Subject, composite: str | None, color: tuple[float, float, float] | None
+) -> tuple[_Nodes, float | None, list[tuple[str, Any]] | None, str, bool, str | None, bool, str]:
+    """Nodes, opacity unit, settings of the light, operator, whether it is for white, view, whether the volume is cut
+    open, and why it was chosen."""
+
+def is_block(samples: NDArray[np.float64], function: TransferFunction) -> bool: ...
+def greys_of_projection(of: _Spread, composite: str, is_hounsfield: bool) -> _Nodes: ...
+def greys_of_pixels(pixels: NDArray[np.float64], composite: str, range: tuple[float, float]) -> _Nodes: ...
+def attenuation(of: _Spread, is_hounsfield: bool) -> tuple[float, float]: ...
+def channel_window(
+    of: _VolumeChannel, largest: float, samples: Callable[[], NDArray[np.float64]]
+) -> tuple[float, float, str]: ...
+def is_whole_range(window: tuple[float, float], largest: float) -> bool: ...
 def light_step(shape: tuple[int, int, int], world_from_index: NDArray[np.float64]) -> tuple[int, int, int]:
     """Steps (z, y, x) between the samples that light is worked out from."""
 
@@ -890,14 +917,7 @@ def distinct_colors(
 ) -> list[tuple[float, float, float]]: ...
 def opaque_after(n_samples: tuple[int, int, int], spacing: tuple[float, float, float]) -> float: ...
 def lightened(color: tuple[float, float, float]) -> tuple[float, float, float]: ...
-def channel_ramp(
-    color: tuple[float, float, float],
-    low: float,
-    high: float,
-    n_voxels: float,
-    clear: float | None,
-    white: float | None,
-) -> tuple[list[tuple[float, float]], list[tuple[float, float, float, float]]]: ...
+def channel_ramp(color: tuple[float, float, float], low: float, high: float, n_voxels: float) -> _Nodes: ...
 def ramp_of_part(
     color: tuple[float, float, float], low: float, high: float, n_voxels: float
 ) -> tuple[list[tuple[float, float]], list[tuple[float, float, float, float]]]: ...

@@ -26,6 +26,26 @@ pub enum DataKind {
 }
 
 impl DataKind {
+    /// All kinds.
+    pub const ALL: [Self; 16] = [
+        Self::Ct,
+        Self::Mr,
+        Self::Pet,
+        Self::Dose,
+        Self::Ultrasound,
+        Self::Fluorescence,
+        Self::Em,
+        Self::Fa,
+        Self::Probability,
+        Self::Map,
+        Self::PValues,
+        Self::SignedField,
+        Self::Field,
+        Self::Mask,
+        Self::Labels,
+        Self::Scan,
+    ];
+
     /// The name in reports and documents.
     pub fn name(self) -> &'static str {
         match self {

@@ -20,9 +20,11 @@
 //! [`kind`] says what the samples of a volume are, and why it is thought so, from [`Evidence`]: what its file says, and
 //! samples spread over it with their neighbours.
 
+mod automatic;
 pub mod changes;
 pub mod channel_colors;
 pub mod channel_ramp;
+mod channel_windows;
 pub mod colormaps;
 pub mod colors;
 mod evidence;
@@ -37,6 +39,7 @@ mod map_tables;
 mod measured_maps;
 mod numbers;
 pub mod presets;
+mod projections;
 pub mod quantities;
 pub mod scale;
 mod scans;
@@ -48,6 +51,8 @@ pub mod voxels;
 pub mod windows;
 mod words;
 
+pub use automatic::{AutomaticLook, Refusal, SOLID_LIGHT, SliceFacts, Subject, is_block};
+pub use channel_windows::{ChannelWindow, VolumeChannel, is_whole_range, window_of_values};
 pub use evidence::{
     Evidence, HISTOGRAM_SAMPLES, KIND_SAMPLES, MIN_FINITE, Neighbourhood, SeenSamples, SidePair, Source, UNIT_SAMPLES,
     step_for,
@@ -57,7 +62,7 @@ pub use fields::FilledPart;
 pub use histogram::{N_BINS, ROBUST, Scan, otsu, otsu_of_scan, robust_range, without_padding};
 pub use hounsfield::{looks_like_hounsfield, stored_offset};
 pub use kinds::{FAR, FoundKind, kind};
-pub use look::Look;
-pub use measured_maps::SIGNIFICANT;
+pub use look::{LightSettings, Look};
+pub use projections::{HOUNSFIELD_ATTENUATION, RayOperator, SpreadSamples};
 pub use scans::CurveNodes;
 pub use words::in_digits;

@@ -64,8 +64,12 @@ impl CurveNodes {
     /// p-values: clear from the significant ones on, opaque at 0.
     pub fn of_p_values(n_voxels: f64) -> Self {
         let mut found = Self::of_light(SHARE_MAP, 0.0, SIGNIFICANT, n_voxels);
-        found.opacity.iter_mut().for_each(|node| node.value = SIGNIFICANT - node.value);
-        found.color.iter_mut().for_each(|node| node.value = SIGNIFICANT - node.value);
+        for node in &mut found.opacity {
+            node.value = SIGNIFICANT - node.value;
+        }
+        for node in &mut found.color {
+            node.value = SIGNIFICANT - node.value;
+        }
         found.opacity.reverse();
         found.color.reverse();
         found

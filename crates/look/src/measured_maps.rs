@@ -17,7 +17,7 @@ use crate::statistics::share;
 use crate::words::in_digits;
 
 /// The largest p that counts as significant.
-pub const SIGNIFICANT: f64 = 0.05;
+pub(crate) const SIGNIFICANT: f64 = 0.05;
 /// Least share of zeros that are the outside of a mask.
 const MIN_MASKED: f64 = 0.2;
 /// Largest value of diffusivities in mm²/s: least of maps of a body, which has water, and most, with noise.

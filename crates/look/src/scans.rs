@@ -7,7 +7,6 @@
 use wavesplat_core::{ColorNode, OpacityNode};
 
 use crate::colors::Rgb;
-use crate::evidence::SeenSamples;
 use crate::facts::DataKind;
 use crate::histogram::{otsu, otsu_of_scan, robust_range};
 use crate::numbers::linspace;
@@ -91,12 +90,14 @@ impl CurveNodes {
     }
 
     /// Boundaries: opacity follows the mean gradient at a value, relative to that of other values.
-    pub fn of_scan(seen: &SeenSamples, is_anatomical: bool) -> Self {
-        let (low, high) = robust_range(&seen.values);
-        let scan = otsu_of_scan(&seen.values, low, high);
+    ///
+    /// `gradients`: magnitudes of the differences of neighbours at `samples`.
+    pub fn of_scan(samples: &[f64], gradients: &[f64], is_anatomical: bool) -> Self {
+        let (low, high) = robust_range(samples);
+        let scan = otsu_of_scan(samples, low, high);
         let (low, threshold, high) = (scan.background, scan.threshold, scan.high);
         let values = linspace(low, high, N_NODES);
-        let strength = boundary_strength(seen, &values);
+        let strength = boundary_strength(samples, gradients, &values);
         let alpha = |(&value, strength): (&f64, f64)| {
             let rise = ((value - threshold) / f64::max(high - threshold, 1e-12)).clamp(0.0, 1.0);
             let is_seen = value > threshold - 0.25 * (threshold - low);
@@ -128,10 +129,10 @@ pub(crate) fn increasing<T: AsMut<[f64]>>(mut nodes: T, extent: f64) -> T {
 }
 
 /// Mean gradient of the samples near each value, as a share of the largest such mean, 0..1.
-fn boundary_strength(seen: &SeenSamples, values: &[f64]) -> Vec<f64> {
+fn boundary_strength(samples: &[f64], gradients: &[f64], values: &[f64]) -> Vec<f64> {
     let (first, step, last) = (values[0], values[1] - values[0], values.len() - 1);
     let (mut counts, mut sums) = (vec![0.0_f64; values.len()], vec![0.0_f64; values.len()]);
-    for (value, gradient) in seen.values.iter().zip(&seen.gradients) {
+    for (value, gradient) in samples.iter().zip(gradients) {
         let place = (((value - first) / step).round_ties_even().max(0.0) as usize).min(last);
         counts[place] += 1.0;
         sums[place] += gradient;
@@ -140,7 +141,7 @@ fn boundary_strength(seen: &SeenSamples, values: &[f64]) -> Vec<f64> {
     let counts_around: Vec<f64> = (0..=last).map(|i| around(&counts, i)).collect();
     let mean = |i: usize| if counts_around[i] > 0.0 { around(&sums, i) / counts_around[i].max(1e-9) } else { 0.0 };
     let means: Vec<f64> = (0..=last).map(mean).collect();
-    let is_enough = |i: &usize| counts_around[*i] > 1e-5 * seen.values.len() as f64;
+    let is_enough = |i: &usize| counts_around[*i] > 1e-5 * samples.len() as f64;
     let largest = (0..=last).filter(is_enough).map(|i| means[i]).fold(0.0, f64::max).max(1e-12);
     means.into_iter().map(|mean| (mean / largest).clamp(0.0, 1.0)).collect()
 }
@@ -153,8 +154,8 @@ mod tests {
     fn opacity_is_highest_where_gradients_are() {
         // Two materials, at 0 and 100, and the values between them, whose gradients are largest.
         let values: Vec<f64> = (0..=100).flat_map(|v| vec![f64::from(v); if v % 100 == 0 { 500 } else { 5 }]).collect();
-        let gradients = values.iter().map(|v| v * (100.0 - v)).collect();
-        let found = CurveNodes::of_scan(&SeenSamples { values, gradients }, false);
+        let gradients: Vec<f64> = values.iter().map(|v| v * (100.0 - v)).collect();
+        let found = CurveNodes::of_scan(&values, &gradients, false);
         let strength = |place: usize| found.opacity[place].opacity;
         assert!(strength(40) > strength(63) && strength(0) == 0.0 && found.color[3].rgb == MATTER[3]);
     }

@@ -29,9 +29,8 @@ pub fn lightened(color: RgbTuple) -> RgbTuple {
 
 #[pyfunction]
 #[pyo3(name = "channel_ramp")]
-pub fn ramp(color: RgbTuple, low: f64, high: f64, n_voxels: f64, clear: Option<f64>, white: Option<f64>) -> Curves {
-    let white = white.unwrap_or(channel_ramp::WHITE);
-    curves_of(channel_ramp::ramp(color.into(), low, high, n_voxels, clear, white))
+pub fn ramp(color: RgbTuple, low: f64, high: f64, n_voxels: f64) -> Curves {
+    curves_of(channel_ramp::ramp(color.into(), low, high, n_voxels, None, channel_ramp::WHITE))
 }
 
 #[pyfunction]

@@ -4,11 +4,10 @@
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use wavesplat::look::{
-    self, CurveNodes, DataKind, Evidence, FilledPart, FoundKind, KindFacts, Neighbourhood, NumberType, SeenSamples,
-    SidePair, Source,
+    self, CurveNodes, Evidence, FoundKind, KindFacts, Neighbourhood, NumberType, SeenSamples, SidePair, Source,
 };
 
-type Values<'py> = PyReadonlyArray1<'py, f64>;
+pub type Values<'py> = PyReadonlyArray1<'py, f64>;
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
 #[pyfunction]
@@ -33,13 +32,6 @@ pub fn otsu_of_scan(py: Python<'_>, values: Values<'_>, low: f64, high: f64) -> 
     let values = values.as_slice()?;
     let scan = py.detach(|| look::otsu_of_scan(values, low, high));
     Ok((scan.background, scan.threshold, scan.high))
-}
-
-#[pyfunction]
-pub fn without_padding<'py>(py: Python<'py>, samples: PyReadonlyArray3<'py, f64>) -> PyResult<Array<'py>> {
-    let &[n_z, n_y, n_x] = samples.shape() else { unreachable!("three axes") };
-    let samples = samples.as_slice()?;
-    Ok(py.detach(|| look::without_padding(samples, [n_z, n_y, n_x])).into_pyarray(py))
 }
 
 #[pyfunction]
@@ -82,7 +74,7 @@ pub struct PyFacts {
 }
 
 impl PyFacts {
-    fn facts(&self) -> KindFacts<'_> {
+    pub fn facts(&self) -> KindFacts<'_> {
         KindFacts {
             name: &self.name,
             modality: self.modality.as_deref(),
@@ -117,9 +109,9 @@ fn around<'a>((samples, pairs): &'a Around<'_>) -> PyResult<Neighbourhood<'a>> {
 }
 
 /// Functions of Python that read more samples.
-struct More {
-    spread: Py<PyAny>,
-    is_whole: Py<PyAny>,
+pub struct More {
+    pub spread: Py<PyAny>,
+    pub is_whole: Py<PyAny>,
 }
 
 impl Source for More {
@@ -170,80 +162,9 @@ pub fn kind_of_data<'py>(
 }
 
 /// Nodes of opacity and of colour.
-type Nodes = (Vec<(f64, f64)>, Vec<(f64, f64, f64, f64)>);
+pub type Nodes = (Vec<(f64, f64)>, Vec<(f64, f64, f64, f64)>);
 
-fn nodes(of: &CurveNodes) -> Nodes {
+pub fn nodes(of: &CurveNodes) -> Nodes {
     let color = |node: &wavesplat::ColorNode| (node.value, node.rgb[0], node.rgb[1], node.rgb[2]);
     (of.opacity.iter().map(|node| (node.value, node.opacity)).collect(), of.color.iter().map(color).collect())
-}
-
-#[pyfunction]
-pub fn ct_nodes(offset: f64) -> Nodes {
-    nodes(&CurveNodes::of_ct(offset))
-}
-
-#[pyfunction]
-pub fn tissue_nodes(py: Python<'_>, values: Values<'_>) -> PyResult<Nodes> {
-    let values = values.as_slice()?;
-    Ok(nodes(&py.detach(|| CurveNodes::of_tissue(values))))
-}
-
-#[pyfunction]
-pub fn ultrasound_nodes(py: Python<'_>, values: Values<'_>) -> PyResult<Nodes> {
-    let values = values.as_slice()?;
-    Ok(nodes(&py.detach(|| CurveNodes::of_ultrasound(values))))
-}
-
-#[pyfunction]
-pub fn scan_nodes(py: Python<'_>, values: Values<'_>, gradients: Values<'_>, is_anatomical: bool) -> PyResult<Nodes> {
-    let seen = SeenSamples { values: values.as_slice()?.to_vec(), gradients: gradients.as_slice()?.to_vec() };
-    Ok(nodes(&py.detach(|| CurveNodes::of_scan(&seen, is_anatomical))))
-}
-
-#[pyfunction]
-pub fn grey_nodes(py: Python<'_>, values: Values<'_>, is_ct: bool, is_clear_below: bool) -> PyResult<Nodes> {
-    let (values, kind) = (values.as_slice()?, if is_ct { DataKind::Ct } else { DataKind::Scan });
-    Ok(nodes(&py.detach(|| CurveNodes::of_greys(values, kind, is_clear_below))))
-}
-
-/// Curves of doses, shares, calculated maps and p-values, and of masks. `largest`: the volume's largest value.
-#[pyfunction]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands texts over by value")]
-pub fn light_nodes(kind: String, values: Values<'_>, largest: f64, n_voxels: f64) -> PyResult<Option<Nodes>> {
-    let values = values.as_slice()?;
-    let (low, high) = look::statistics::extremes(values);
-    let found = match &kind[..] {
-        "dose" => CurveNodes::of_dose(largest.max(high), n_voxels),
-        "FA" => CurveNodes::of_anisotropy(largest, n_voxels),
-        "probability" => CurveNodes::of_probability(largest.max(high), n_voxels),
-        "map" => CurveNodes::of_map(values, n_voxels),
-        "p-values" => CurveNodes::of_p_values(n_voxels),
-        "mask" => CurveNodes::of_mask(low, high),
-        "labels" => CurveNodes::of_mask(0.0, 1.0),
-        _ => return Ok(None),
-    };
-    Ok(Some(nodes(&found)))
-}
-
-/// Curves of a field. `spread`: samples spread over the volume, z, y, x, that has `n_planes`.
-#[pyfunction]
-pub fn field_nodes(
-    py: Python<'_>,
-    values: Values<'_>,
-    has_two_signs: bool,
-    fill: Option<f64>,
-    spread: PyReadonlyArray3<'_, f64>,
-    n_planes: usize,
-    n_voxels: f64,
-) -> PyResult<Nodes> {
-    let &[n_z, n_y, n_x] = spread.shape() else { unreachable!("three axes") };
-    let (values, samples) = (values.as_slice()?, spread.as_slice()?);
-    Ok(nodes(&py.detach(|| {
-        let part = FilledPart::of(samples, [n_z, n_y, n_x], n_planes);
-        if has_two_signs {
-            CurveNodes::of_signed_field(values, n_voxels, part)
-        } else {
-            CurveNodes::of_field(values, fill, n_voxels, part)
-        }
-    })))
 }

@@ -1,6 +1,7 @@
 //! `wavesplat._native`: converts, releases the interpreter lock, calls, maps errors. No algorithm lives here.
 
 mod arguments;
+mod automatic;
 mod curves;
 mod documents;
 mod errors;
@@ -40,6 +41,11 @@ mod _native {
     #[pymodule_export]
     use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction};
     #[pymodule_export]
+    use crate::automatic::{
+        attenuation, automatic_look, channel_window, greys_of_pixels, greys_of_projection, is_block, is_whole_range,
+        look_refused,
+    };
+    #[pymodule_export]
     use crate::curves::{bent, exposed, in_window, lightened, opaque_after, ramp, ramp_of_part, window_of};
     #[pymodule_export]
     use crate::documents::{
@@ -50,8 +56,7 @@ mod _native {
     use crate::gpu::{gpu_adapters, gpu_check, gpu_count, gpu_memory, gpu_settle};
     #[pymodule_export]
     use crate::kinds::{
-        ct_nodes, field_nodes, grey_nodes, kind_of_data, light_nodes, looks_like_hounsfield, otsu, otsu_of_scan,
-        robust_range, scan_nodes, step_for, stored_offset, tissue_nodes, ultrasound_nodes, without_padding,
+        kind_of_data, looks_like_hounsfield, otsu, otsu_of_scan, robust_range, step_for, stored_offset,
     };
     #[pymodule_export]
     use crate::labels::PyLabels;
@@ -102,7 +107,8 @@ mod _native {
         let kinds = wavesplat::look::MODALITIES.map(|(modality, kind)| (modality, kind.name()));
         module.add("KINDS_OF_MODALITIES", kinds.into_py_dict(module.py())?)?;
         module.add("QUANTITIES", PyTuple::new(module.py(), wavesplat::look::quantities::ALL)?)?;
-        module.add("FAR_ABOVE_NOISE", wavesplat::look::FAR)?;
+        module.add("HOUNSFIELD_ATTENUATION", wavesplat::look::HOUNSFIELD_ATTENUATION)?;
+        module.add("SOLID_LIGHT", wavesplat::look::SOLID_LIGHT.into_py_dict(module.py())?)?;
         module.add("FARTHEST", wavesplat::view::FARTHEST)?;
         module.add("FILLED", wavesplat::view::FILLED)?;
         let most = {
@@ -116,7 +122,6 @@ mod _native {
         module.add("CHANNEL_COLORS_IN_SPACE", in_space)?;
         module.add("DARKEST", wavesplat::look::channel_ramp::DARKEST)?;
         module.add("FULL_COLOR", wavesplat::look::channel_ramp::FULL_COLOR)?;
-        module.add("LUMINANCE", <(f64, f64, f64)>::from(wavesplat::look::channel_ramp::LUMINANCE))?;
         module.add("MAP_NODES", wavesplat::look::colormaps::N_NODES)?;
         let windows = wavesplat::look::windows::CT_WINDOWS.map(|(name, window)| (name, <(f64, f64)>::from(window)));
         module.add("CT_WINDOWS", windows.into_py_dict(module.py())?)?;

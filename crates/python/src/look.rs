@@ -16,9 +16,9 @@ use crate::arguments::{Text, rows};
 /// Red, green, blue.
 pub type RgbTuple = (f64, f64, f64);
 /// Name, colour and wavelength of a channel.
-type ChannelTuple = (String, Option<RgbTuple>, Option<f64>);
+pub type ChannelTuple = (String, Option<RgbTuple>, Option<f64>);
 
-fn channel((name, color, emission_nm): &ChannelTuple) -> ChannelFacts<'_> {
+pub fn channel((name, color, emission_nm): &ChannelTuple) -> ChannelFacts<'_> {
     ChannelFacts { name, color: color.map(Into::into), emission_nm: *emission_nm }
 }
 

@@ -318,7 +318,7 @@ fn look_of(document: &Value) -> Result<Look, String> {
         return Err(format!("look: the module reads no operator '{operator}'"));
     };
     let (name, reason) = (name.unwrap_or_default(), description.unwrap_or_default());
-    Ok(Look { transfer_function, shading, composite, background: None, name, reason })
+    Ok(Look { transfer_function, shading, composite, background: None, view: None, is_cut_open: false, name, reason })
 }
 
 /// NumPy's name of the type of samples.

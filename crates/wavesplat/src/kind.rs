@@ -30,20 +30,43 @@ use wavesplat_view::Stack;
 /// # }
 /// ```
 pub fn kind_of(volume: &Volume<'_>, facts: &Facts) -> FoundKind {
+    with_evidence(volume, facts, |_, found, _| found)
+}
+
+/// The answer to a question about the kind of a volume, and the samples that decided it.
+pub(crate) fn with_evidence<R>(
+    volume: &Volume<'_>,
+    facts: &Facts,
+    ask: impl FnOnce(Evidence<'_>, FoundKind, &All<'_>) -> R,
+) -> R {
     let all = All(volume);
     let (samples, pairs) = all.looked_at();
     let pairs = pairs.iter().map(|(before, after)| (&before[..], &after[..])).collect();
     let around = Neighbourhood { samples: &samples, pairs };
     let facts = kind_facts(volume, facts);
     let seen = SeenSamples::in_samples(&around, &facts);
-    match kind(&Evidence { facts, seen, around }, &all) {
-        Ok(found) => found,
+    let evidence = Evidence { facts, seen, around };
+    match kind(&evidence, &all) {
+        Ok(found) => ask(evidence, found, &all),
+        Err(never) => match never {},
+    }
+}
+
+/// Azimuth and elevation of the view that suits a volume, degrees. `found`: gives its kind, where that decides.
+pub(crate) fn natural_angles(grid: &Grid, facts: &Facts, found: impl Fn() -> FoundKind) -> (f64, f64) {
+    let angles = Stack::of(grid).natural_view(
+        facts.is_anatomical,
+        || Ok::<_, Infallible>(is_upright(facts, &found)),
+        || Ok(is_of_patient(grid, facts, &found)),
+    );
+    match angles {
+        Ok(angles) => angles,
         Err(never) => match never {},
     }
 }
 
 /// Whether a volume shows a patient. `found`: gives its kind, where that decides.
-pub(crate) fn is_of_patient(grid: &Grid, facts: &Facts, found: impl FnOnce() -> FoundKind) -> bool {
+fn is_of_patient(grid: &Grid, facts: &Facts, found: impl FnOnce() -> FoundKind) -> bool {
     if !facts.is_anatomical || facts.modality.is_some() || !Stack::of(grid).is_placed_by_default() {
         return facts.is_anatomical;
     }
@@ -51,7 +74,7 @@ pub(crate) fn is_of_patient(grid: &Grid, facts: &Facts, found: impl FnOnce() -> 
 }
 
 /// Whether the axes of the world grow to the right and up in pictures, as of calculated data. `found`: as above.
-pub(crate) fn is_upright(facts: &Facts, found: impl FnOnce() -> FoundKind) -> bool {
+fn is_upright(facts: &Facts, found: impl FnOnce() -> FoundKind) -> bool {
     !facts.is_anatomical && facts.modality.is_none() && found().is_calculated()
 }
 
@@ -87,7 +110,7 @@ fn kind_facts<'a>(volume: &'a Volume<'_>, facts: &'a Facts) -> KindFacts<'a> {
 type OwnPair = (Vec<f64>, Vec<f64>);
 
 /// All samples of a volume in memory.
-struct All<'a>(&'a Volume<'a>);
+pub(crate) struct All<'a>(&'a Volume<'a>);
 
 impl All<'_> {
     fn size(&self) -> [usize; 3] {

@@ -62,6 +62,7 @@
 //!
 //! # More types
 //!
+//! - [`AutoLook`]: `Look::auto(&volume, &facts)`, the look that suits a volume; [`cut_open`]: blocks, without a corner.
 //! - [`Look::preset`]: looks by name, ours and 3D Slicer's; [`look`]: colour maps, windows of CT, colours of channels.
 //! - [`Scene::from_document`]: scenes that Python or the viewer saved as JSON, with camera and picture; [`document`].
 //! - [`files::read`]: volumes in NIfTI and NRRD files, with the [`Facts`] of their headers; [`kind_of`]: what they hold.
@@ -76,7 +77,8 @@
 //! - [`SampleReader`]: volumes larger than memory, read while they are drawn ([`Scene::stream`]).
 //!
 //! The examples of this crate (`cargo run -p wavesplat --example head`) draw a head, a projection, labels, a coarse
-//! level, and a raw file that is larger than the memory it may take; `first` draws a NIfTI or NRRD file by a preset.
+//! level, and a raw file that is larger than the memory it may take; `first` draws a NIfTI or NRRD file by
+//! the look that suits it, or by a preset.
 //!
 //! # What it does not do
 //!
@@ -86,6 +88,7 @@
 //!
 //! Stability: this crate's items are public; items of the crates that it depends on are not, unless re-exported here.
 
+mod automatic;
 mod block_state;
 mod bytes;
 mod device;
@@ -106,6 +109,7 @@ mod slice;
 mod stream;
 mod volume_cache;
 
+pub use automatic::{AutoLook, cut_open};
 pub use block_state::BlockState;
 pub use bytes::{rgb_bytes, straight_bytes};
 pub use device::{Device, DrawnBy};

@@ -1,13 +1,11 @@
 //! Cameras placed by what they show.
 
-use std::convert::Infallible;
-
 use glam::DVec3;
-use wavesplat_core::{Camera, Facts, Result, Volume};
-use wavesplat_look::{DataKind, FoundKind, HISTOGRAM_SAMPLES, step_for};
-use wavesplat_view::{FILLED, Fit, InView, Pose, SomeSamples, Stack, grid_corners};
+use wavesplat_core::{Camera, Composite, Facts, Result, Volume};
+use wavesplat_look::{DataKind, FoundKind, HISTOGRAM_SAMPLES, Look, step_for};
+use wavesplat_view::{FILLED, Fit, InView, Pose, SomeSamples, grid_corners, view_angles};
 
-use crate::kind::{is_of_patient, is_upright, kind_of};
+use crate::kind::{kind_of, natural_angles};
 use crate::scene::{Scene, SceneLayer, SceneVolume};
 
 /// Largest number of samples that are looked at to find what a look shows.
@@ -51,7 +49,26 @@ pub trait PlacedCamera: Sized {
     /// # Errors
     ///
     /// If the ratio is out of range.
-    fn fit(scene: &Scene<'_>, facts: &Facts, aspect: f64) -> Result<Self>;
+    fn fit(scene: &Scene<'_>, facts: &Facts, aspect: f64) -> Result<Self> {
+        Self::fit_as(scene, facts, (None, Composite::Over), aspect)
+    }
+
+    /// The same for a look: from its view, where it has one, and around what its operator shows.
+    ///
+    /// # Errors
+    ///
+    /// If there is no view of that name, or the ratio is out of range.
+    fn fit_for(scene: &Scene<'_>, facts: &Facts, look: &Look, aspect: f64) -> Result<Self> {
+        Self::fit_as(scene, facts, (look.view, look.composite), aspect)
+    }
+
+    /// The same for the name of a view, see [`VIEWS`](wavesplat_view::VIEWS), or `None` for the one that suits the volume,
+    /// and an operator: a projection shows what its colours show, where it has no opacities.
+    ///
+    /// # Errors
+    ///
+    /// If there is no view of that name, or the ratio is out of range.
+    fn fit_as(scene: &Scene<'_>, facts: &Facts, shown: (Option<&str>, Composite), aspect: f64) -> Result<Self>;
 }
 
 impl PlacedCamera for Camera {
@@ -59,8 +76,8 @@ impl PlacedCamera for Camera {
         Pose::orbit(volume, azimuth_deg, elevation_deg, aspect)?.camera()
     }
 
-    fn fit(scene: &Scene<'_>, facts: &Facts, aspect: f64) -> Result<Self> {
-        Pose::fit(scene, facts, aspect)?.camera()
+    fn fit_as(scene: &Scene<'_>, facts: &Facts, shown: (Option<&str>, Composite), aspect: f64) -> Result<Self> {
+        Pose::fit_as(scene, facts, shown, aspect)?.camera()
     }
 }
 
@@ -70,30 +87,30 @@ impl PlacedCamera for Pose {
         InView::around(&corners).aspect(aspect).orbit(azimuth_deg, elevation_deg, Fit::View)
     }
 
-    fn fit(scene: &Scene<'_>, facts: &Facts, aspect: f64) -> Result<Self> {
+    fn fit_as(
+        scene: &Scene<'_>,
+        facts: &Facts,
+        (view, composite): (Option<&str>, Composite),
+        aspect: f64,
+    ) -> Result<Self> {
         let first = &scene.layers[0].volume;
         let found = || match first {
             SceneVolume::Samples(volume, _) => kind_of(volume, facts),
             // A kind that is neither calculated nor in doubt to be a patient's.
             _ => FoundKind { kind: DataKind::Ct, reason: String::new(), has_noise: true, has_few_bright: false },
         };
-        let angles = Stack::of(first.grid()).natural_view(
-            facts.is_anatomical,
-            || Ok::<_, Infallible>(is_upright(facts, found)),
-            || Ok(is_of_patient(first.grid(), facts, found)),
-        );
-        let (azimuth, elevation) = match angles {
-            Ok(angles) => angles,
-            Err(never) => match never {},
+        let (azimuth, elevation) = match view {
+            Some(name) => view_angles(name, facts.is_anatomical)?,
+            None => natural_angles(first.grid(), facts, found),
         };
         let corners: Vec<DVec3> = scene.layers.iter().flat_map(|layer| grid_corners(layer.volume.grid())).collect();
-        let points: Vec<DVec3> = scene.layers.iter().flat_map(shown_of).collect();
+        let points: Vec<DVec3> = scene.layers.iter().flat_map(|layer| shown_of(layer, composite)).collect();
         InView::around(&corners).points(&points).zoom(FILLED).aspect(aspect).orbit(azimuth, elevation, Fit::View)
     }
 }
 
 /// World positions around what the look of a layer shows.
-fn shown_of(layer: &SceneLayer<'_>) -> Vec<DVec3> {
+fn shown_of(layer: &SceneLayer<'_>, composite: Composite) -> Vec<DVec3> {
     let grid = layer.volume.grid();
     let SceneVolume::Samples(volume, _) = &layer.volume else { return grid_corners(grid).to_vec() };
     let size = grid.size();
@@ -118,7 +135,8 @@ fn shown_of(layer: &SceneLayer<'_>) -> Vec<DVec3> {
     let some = SomeSamples { index: &index, values: &values, step: (fine * coarse) as f64, within };
     let is_whole = grid.statistics().n_nonfinite == 0;
     let has_one_dimension = layer.transfer_function.function_2d().is_none();
-    let shown = some.shown(has_one_dimension.then_some((&layer.transfer_function, false)), is_whole);
+    let shown =
+        some.shown(has_one_dimension.then_some((&layer.transfer_function, composite.is_projection())), is_whole);
     shown.into_iter().map(|at| grid.world_from_index().transform_point3(at)).collect()
 }
 

@@ -105,6 +105,9 @@ ROOMS = {
         "scans",
         "fields",
         "light_maps",
+        "projections",
+        "channel_windows",
+        "automatic",
     ],
     "crates/view/src": [
         "rotation",
@@ -144,6 +147,7 @@ ROOMS = {
         "lazy_volume",
         "scene",
         "kind",
+        "automatic",
         "placed",
         "slice",
         "device",

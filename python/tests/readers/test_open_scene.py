@@ -234,23 +234,19 @@ def test_what_is_below_the_window_is_clear_and_what_is_bright_is_in_the_colour()
     assert np.median(green[seen] / red[seen]) < 0.2
 
 
-@pytest.mark.parametrize("n", [1, 3, 64])
-def test_a_ray_through_as_many_voxels_as_the_window_wants_is_opaque(n):
-    ramp = channels.ramp((0, 1, 0), 0, 1, n)
-    assert 1 - (1 - ramp.opacity[-1][1]) ** n == pytest.approx(0.995, abs=1e-3)
-
-
 def test_windows_of_values_see_spots_and_leave_noise():
+    def window(values):
+        return channels.channel_window(ws.Volume(values.reshape(10, -1, 100)))[:2]
+
     rng = np.random.default_rng(2)
     noise = rng.normal(100, 5, 100_000)
-    low, high = channels.window_of_values(noise)
+    low, high = window(noise)
     assert 104 < low < high
     spots = noise.copy()
     spots[:100] = 1000  # a thousandth of the samples
-    assert channels.window_of_values(spots) == pytest.approx((105, 1000), abs=1)
-    assert channels.window_of_values(np.full(10, 3.0))[0] == 3
-    low, high = channels.window_of_values(np.full(10, 3.0))
-    assert high > low
+    assert window(spots) == pytest.approx((105, 1000), abs=1)
+    low, high = window(np.full(2000, 3.0))
+    assert high > low == 3
 
 
 def test_a_window_of_all_values_of_a_type_tells_nothing():

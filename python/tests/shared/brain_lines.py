@@ -24,7 +24,7 @@ from brain_phantoms import ct, flame, head, noise, phantoms, signed, spots
 import wavesplat as ws
 from wavesplat._looks import presets
 from wavesplat._looks.curves import colormaps
-from wavesplat._looks.kinds import automatic, histogram, hounsfield, kinds, overlays
+from wavesplat._looks.kinds import histogram, hounsfield, kinds, overlays
 from wavesplat._looks.kinds.channels import channel_window
 from wavesplat._looks.look import Look
 from wavesplat._model.camera.views import VIEWS
@@ -156,7 +156,8 @@ def _evidence(volume: ws.Volume) -> Line:
     seen = {"n": known.values.size, "values": hash_of_array(known.values), "fill": known.fill}
     flags = {"noise": known.has_noise, "few bright": known.has_few_bright, "guess": known.is_guess}
     offset, looks_ct = hounsfield.stored_offset(known.values), hounsfield.looks_like_hounsfield(known.values, volume)
-    parted = automatic._parted(known) if known.values.min() < known.values.max() else None
+    low, high = histogram.robust_range_of(known.values)
+    parted = (low, histogram.otsu(known.values, low, high), high) if low < high else None
     more = {"stored offset": offset, "hounsfield": looks_ct, "parted": parted, "mean gradient": known.gradients.mean()}
     return {"kind": known.kind, "reason": known.reason, **flags, **seen, **more}
 

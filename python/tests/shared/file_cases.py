@@ -3,7 +3,8 @@
     python python/tests/shared/file_cases.py > crates/files/tests/cases.jsonl
 
 prints a line for each file: its bytes, and its size, type, affine and facts, a checksum of its samples, the kind of
-data, and the camera of its picture by a preset; or a word that the crate's error must hold, where it refuses the file.
+data, the camera of its picture by a preset, and its automatic look; or a word that the crate's error must hold, where
+it refuses the file.
 """
 
 from __future__ import annotations
@@ -172,6 +173,32 @@ def phantoms() -> Iterator[tuple[str, bytes, str]]:
                 "encoding: gzip",
             )
             yield f"{name}_{place}.nrrd", "\n".join([*header, *lines]).encode() + b"\n\n" + content, ""
+    yield from phantoms_by_modality(body[::2, ::2, ::2] + 1000)
+
+
+def phantoms_by_modality(body: np.ndarray) -> Iterator[tuple[str, bytes, str]]:
+    """Small files whose headers say what they hold, of looks that no other file has."""
+    x, y, z = np.meshgrid(*map(np.arange, body.shape), indexing="ij")
+    full = 90 + (7 * x + 3 * y + 5 * z) % 23
+    for name, modality, samples in (
+        ("uptake", "PT", body),
+        ("echoes", "US", body),
+        ("dose", "RTDOSE", body),
+        ("block", "MR", full),
+    ):
+        header = ["NRRD0005", "type: short", "dimension: 3", "sizes: " + " ".join(map(str, samples.shape))]
+        header += ["endian: little", "encoding: gzip", "space: LPS", "space directions: (2,0,0) (0,2,0) (0,0,3)"]
+        content = gzip.compress(samples.astype("<i2").tobytes(order="F"), mtime=0)
+        yield f"{name}.nrrd", "\n".join([*header, f"modality:={modality}"]).encode() + b"\n\n" + content, ""
+    shares = np.clip(np.abs(body - 900) / 1000, 0, 1).astype("<f4")
+    yield "p_values.nii", nifti(samples=shares, intent_code=22), ""
+    yield "prob.nii", nifti(samples=shares), ""
+    noise = (7 * x * x + 13 * y * y + 29 * z * z + x * y * z) % 17
+    glow = 3 + noise + 60 * (body > 1000) + 900 * ((body > 1600) & ((x + y + z) % 7 == 0))
+    content = glow.astype("<u2").tobytes(order="F")
+    header = ["NRRD0005", "type: ushort", "dimension: 3", "sizes: " + " ".join(map(str, glow.shape)), "endian: little"]
+    header += ["encoding: raw", "spacings: 1 1 1", 'units: "um" "um" "um"']
+    yield "light.nrrd", "\n".join(header).encode() + b"\n\n" + content, ""
 
 
 def found(path: Path) -> dict[str, Any]:
@@ -191,7 +218,41 @@ def found(path: Path) -> dict[str, Any]:
         "facts": {name: value for name, value in volume.facts.as_json().items() if name in FACTS},
         "kind": [found_in(volume).kind, found_in(volume).reason],
         "camera": [*camera.position, *camera.focal_point, *camera.view_up, camera.parallel_scale],
+        "look": look_of(volume),
     }
+
+
+def look_of(volume: Any) -> dict[str, Any] | str | None:
+    """The automatic look of a volume, its nodes summed up, and the camera of its picture; None where it has none."""
+    import wavesplat as ws
+    from wavesplat._render.arguments import chosen_camera
+    from wavesplat._render.framing import EVERYTHING
+    from wavesplat._render.opened import cut_open_from
+
+    try:
+        look = ws.Look.auto(volume)
+    except ws.ArgumentError:
+        return None
+    if look.labels is not None:
+        return "labels"
+    function = look.transfer_function
+    drawn = volume if look.part is None else cut_open_from(volume, look.view)
+    camera = chosen_camera(None, [(drawn, look)], EVERYTHING, 1.0)
+    light = look.shading and [look.shading.specular, look.shading.ambient_occlusion]
+    return {
+        "words": [look.composite, look.background, look.view, look.part, look.reason],
+        "light": light,
+        "unit": function.opacity_unit,
+        "opacity": _summed(function.opacity),
+        "color": _summed(function.color),
+        "camera": [float(f"{number:.9e}") for number in (*camera.position, camera.parallel_scale)],
+    }
+
+
+def _summed(nodes: Any) -> list[float]:
+    """The number of nodes, and of each column the sum of its numbers times their places, 1 for the first node."""
+    places = np.arange(1.0, len(nodes) + 1)
+    return [len(nodes), *(float(f"{places @ column:.9e}") for column in np.array(nodes).T)]
 
 
 def lines() -> Iterator[str]:

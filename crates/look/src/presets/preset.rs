@@ -1,9 +1,9 @@
 //! A preset of ours: its fields, and the look that it makes over a volume's values.
 
-use wavesplat_core::{ColorNode, Composite, Error, GradientNode, OpacityNode, Result, Shading, TransferFunction};
+use wavesplat_core::{ColorNode, Composite, Error, GradientNode, OpacityNode, Result, TransferFunction};
 
 use crate::colors::Rgb;
-use crate::look::Look;
+use crate::look::{LightSettings, Look, light_of};
 use crate::scale::{Scale, Span};
 
 /// Thickness of the slab that opacities are for.
@@ -36,8 +36,8 @@ pub struct Preset {
     pub color: &'static [(f64, Rgb)],
     /// Magnitudes of the gradient and factors of the extinction.
     pub gradient_opacity: &'static [(f64, f64)],
-    /// Settings of [`Shading`] that differ from its default, by name; `None` draws the colours as given.
-    pub shading: Option<&'static [(&'static str, f64)]>,
+    /// Settings of [`Shading`](wavesplat_core::Shading) that differ from its default, by name; `None` draws the colours as given.
+    pub shading: Option<LightSettings>,
     /// Operator along a ray.
     pub composite: Composite,
     /// Whether it is made for a white background.
@@ -88,9 +88,11 @@ impl Preset {
         };
         Ok(Look {
             transfer_function: function(&opacity, &colors, unit, &gradients)?,
-            shading: self.shading.map(light),
+            shading: self.shading.map(light_of),
             composite: self.composite,
             background: self.is_on_white.then_some([1.0; 4]),
+            view: None,
+            is_cut_open: false,
             name: self.name.to_owned(),
             reason: self.description.to_owned(),
         })
@@ -108,19 +110,4 @@ pub(super) fn function(
     let color = color.iter().map(|&[value, r, g, b]| ColorNode { value, rgb: [r, g, b] }).collect();
     let gradients = gradients.iter().map(|&[magnitude, factor]| GradientNode { magnitude, factor }).collect();
     TransferFunction::new(opacity, color, unit)?.with_gradient_opacity(gradients)
-}
-
-fn light(settings: &[(&str, f64)]) -> Shading {
-    let mut shading = Shading::default();
-    for &(name, value) in settings {
-        let value = value as f32;
-        match name {
-            "ambient" => shading.ambient = value,
-            "diffuse" => shading.diffuse = value,
-            "specular" => shading.specular = value,
-            "ambient_occlusion" => shading.ambient_occlusion = value,
-            _ => unreachable!("a test makes the light of every preset"),
-        }
-    }
-    shading
 }

@@ -62,6 +62,8 @@ impl SlicerPreset {
             shading: self.is_lit.then_some(light),
             composite: Composite::Over,
             background: None,
+            view: None,
+            is_cut_open: false,
             name: self.name.to_owned(),
             reason: format!("3D Slicer's {}.", self.name),
         })

@@ -18,7 +18,7 @@ def color_of(channel: Channel | None, channels: Sequence[Channel]) -> Rgb | None
     """
     if channel is None:
         return None
-    return _native.channel_color(_facts(channel), [_facts(one) for one in channels])
+    return _native.channel_color(named(channel), [named(one) for one in channels])
 
 
 def usual_color(channel: Channel) -> Rgb | None:
@@ -26,5 +26,6 @@ def usual_color(channel: Channel) -> Rgb | None:
     return _native.channel_color((channel.name, None, channel.emission_nm), [])
 
 
-def _facts(channel: Channel) -> tuple[str, Rgb | None, float | None]:
+def named(channel: Channel) -> tuple[str, Rgb | None, float | None]:
+    """The name of a channel, its colour and its wavelength, as the compiled module takes them."""
     return channel.name, channel.color, channel.emission_nm

@@ -1,9 +1,9 @@
 """The light of a fluorescence channel on slices, where it rises evenly over the window, as its look has it in space.
 
-In space a channel's colours are a ramp (`channels.ramp`): dark, full, whiter beyond. Gamma moves the nodes of that
-ramp, exposure multiplies their colours (`_looks/changed.py`). Both are read from the nodes, so that a look that was
-changed, saved or edited has one set of colours. Up to the full colour c a ramp of exposure E has at place t, 0..1, the
-colour
+In space a channel's colours are a ramp (`crates/look`: `channel_ramp.rs`): dark, full, whiter beyond. Gamma moves the
+nodes of that ramp, exposure multiplies their colours (`_looks/changed.py`). Both are read from the nodes, so that a
+look that was changed, saved or edited has one set of colours. Up to the full colour c a ramp of exposure E has at place
+t, 0..1, the colour
 
     c E (d + (1 - d) t / f),    d = DARKEST, f = FULL_COLOR,
 
@@ -84,7 +84,7 @@ def _opaque(color: Sequence[tuple[float, float, float, float]]) -> TransferFunct
 
 
 def _is_ramp(nodes: NDArray[np.float64]) -> bool:
-    """Whether colours rise from a dark one in one hue, as those of `channels.ramp` do after any change."""
+    """Whether colours rise from a dark one in one hue, as those of a ramp do after any change."""
     dark, most = nodes[0, 1:], nodes[nodes[:, 1:].max(axis=1).argmax(), 1:]
     lengths = float(np.linalg.norm(dark) * np.linalg.norm(most))
     return bool(nodes[0, 0] < nodes[-1, 0] and lengths > 0 and float(dark @ most) >= SAME_HUE * lengths)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._looks.kinds.hounsfield import looks_like_hounsfield, stored_offset
-from wavesplat._looks.kinds.looked_at import Pairs, looked_at, numbers_of, subsampled, with_neighbours
+from wavesplat._looks.kinds.looked_at import Pairs, looked_at, numbers_of, subsampled_as_float64, with_neighbours
 from wavesplat._model.lazy.survey import UNIT_SAMPLES, step_for
 from wavesplat._model.lazy.volume import LazyVolume
 from wavesplat._model.volume import units
@@ -76,6 +76,8 @@ class Evidence(Found):
     gradients: NDArray[np.float64]
     #: The value of samples without data, such as -30 dBZ; None if there is no such value.
     fill: float | None
+    #: The facts by which it was found.
+    facts: _native.KindFacts
 
 
 def evidence(volume: Volume | WaveletVolume) -> Evidence:
@@ -86,14 +88,15 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
     samples, neighbours = looked_at(volume)
     # Coarser levels are means of what was noise, and steeper.
     fine = volume._busiest_part() if isinstance(volume, LazyVolume) else None
+    facts = _facts(volume, samples)
     found = _native.kind_of_data(
-        _facts(volume, samples),
+        facts,
         _as_float64(samples, neighbours),
         None if fine is None else _as_float64(*with_neighbours(fine, 1)),
-        lambda: np.ascontiguousarray(subsampled(volume), np.float64),
+        lambda: subsampled_as_float64(volume),
         lambda: _is_whole(volume),
     )
-    known = Evidence(cast(Kind, found[0]), *found[1:])
+    known = Evidence(cast(Kind, found[0]), *found[1:], facts)
     if keeper is not None:
         keeper._kind = known
     return known

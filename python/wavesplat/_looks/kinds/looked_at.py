@@ -49,6 +49,11 @@ def subsampled(volume: Volume | WaveletVolume) -> NDArray[Any]:
     return volume._every(step_for(math.prod(volume.shape), HISTOGRAM_SAMPLES))
 
 
+def subsampled_as_float64(volume: Volume | WaveletVolume) -> NDArray[np.float64]:
+    """The same samples as the compiled module takes them."""
+    return np.ascontiguousarray(subsampled(volume), np.float64)
+
+
 def _spread_evenly(volume: Volume | WaveletVolume) -> tuple[NDArray[Any], Pairs]:
     step = step_for(math.prod(volume.shape), KIND_SAMPLES)
     if isinstance(volume, LazyVolume) and (kept := volume._with_neighbours(step)) is not None:

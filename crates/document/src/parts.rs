@@ -338,7 +338,7 @@ pub(crate) static PARTS: &[DocumentPart] = &[
     ]),
     step("smoothed"), step("largest_body"), step("moved"), step("wavelets"), step("level"), step("bands"),
     step("to_volume"), step("times"),
-    one("view", "What only the viewer has: layout, slices, measures, what lies over the pictures.", &[
+    one("view", "Parts that the viewer alone has: layout, slices, measures, overlays.", &[
         may("layout", Form::Part("view_layout")).sent(),
         may("overlays", Named(Names::OneOf(&OVERLAYS), &Switch)).sent(),
         may("quality", Form::Part("view_quality")).sent(),

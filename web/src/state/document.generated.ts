@@ -197,7 +197,7 @@ export interface Interface {
   readonly panels: readonly string[];
 }
 
-/** What only the viewer has: layout, slices, measures, what lies over the pictures. */
+/** Parts that the viewer alone has: layout, slices, measures, overlays. */
 export interface View {
   readonly layout: Layout;
   readonly overlays: Readonly<Record<(typeof OVERLAYS)[number], boolean>>;

@@ -15,6 +15,7 @@ let module = await VolumeModule.of(compiled);
 const answers = {
   kind: () => module.kind(),
   look: (asked) => module.look(asked),
+  scene: ({ document }) => module.scene(document),
   camera: (asked) => module.camera(asked),
   draw: ({ size, quality }) => module.draw(size, quality),
   floats: () => module.floats(),

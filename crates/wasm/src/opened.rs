@@ -1,34 +1,27 @@
 //! A volume, its look, its camera, and its last picture.
 
+use std::sync::Arc;
+
 use serde_json::{Value, json};
-use wavesplat::document::{CameraDocument, CurvesDocument, LensField, LookDocument, ValueNode};
+use wavesplat::document::{CameraDocument, LensField, LookDocument};
 use wavesplat::files::{self, FileVolume};
 use wavesplat::glam::{DAffine3, DMat3, DVec3};
 use wavesplat::look::FoundKind;
 use wavesplat::view::{Fit, InView, Lens, Pose, grid_corners};
 use wavesplat::{
-    ColorNode, Composite, Effort, Facts, FrameOptions, GradientNode, Kernel, Look, OpacityNode, Picture, PlacedCamera,
-    Plane, Quality, Reduction, SampleBuffer, Samples, Scene, Shading, ThickSlab, TransferFunction, Volume, kind_of,
-    straight_bytes,
+    Effort, Facts, FrameOptions, FramedScene, Kernel, Look, Picture, PlacedCamera, Plane, Quality, Reduction,
+    SampleBuffer, Samples, Scene, SceneVolume, ThickSlab, Volume, VolumeCache, kind_of, straight_bytes,
 };
 
 use crate::requests::{counts, number, numbers, text};
-
-/// Operators of looks without numbers of their own.
-const OPERATORS: [(&str, Composite); 5] = [
-    ("over", Composite::Over),
-    ("maximum", Composite::Maximum),
-    ("minimum", Composite::Minimum),
-    ("mean", Composite::Mean),
-    ("sum", Composite::Sum),
-];
 
 /// A volume, its look, its camera, and its last picture.
 pub struct OpenedVolume {
     file: &'static FileVolume,
     volume: Volume<'static>,
-    /// The scene and its operator, once there is a look.
-    scene: Option<(Scene<'static>, Composite)>,
+    /// The scene and the options of its picture, once there is a look.
+    scene: Option<(Scene<'static>, FrameOptions)>,
+    cache: Arc<VolumeCache>,
     pose: Option<Pose>,
     picture: Option<Picture>,
 }
@@ -94,7 +87,14 @@ impl OpenedVolume {
     /// The volume stays as long as the instance, so nothing is lost by keeping it for good.
     fn of(file: FileVolume) -> Result<Self, String> {
         let file: &'static FileVolume = Box::leak(Box::new(file));
-        Ok(Self { file, volume: file.volume().map_err(message)?, scene: None, pose: None, picture: None })
+        Ok(Self {
+            file,
+            volume: file.volume().map_err(message)?,
+            scene: None,
+            cache: Arc::default(),
+            pose: None,
+            picture: None,
+        })
     }
 
     /// Size, type, place, range and facts.
@@ -141,29 +141,67 @@ impl OpenedVolume {
         kind_of(&self.volume, &self.file.facts)
     }
 
-    /// Takes the look of a preset, or of a document whose values are samples.
+    /// Takes the look of a preset, or of a document.
     ///
     /// # Errors
     ///
-    /// An unknown preset, or a document that is not valid or asks for what the module cannot read yet.
+    /// An unknown preset, or a document that is not valid or has what is not drawn yet.
     pub fn set_look(&mut self, asked: &Value) -> Result<Value, String> {
-        let look = match asked.get("document") {
-            None => Look::preset(text(asked, "preset", "")?).map_err(message)?,
-            Some(document) => look_of(document)?,
-        };
-        let answer = json!({"name": look.name, "reason": look.reason});
-        if let Some((scene, operator)) = &mut self.scene {
-            scene.layers[0].transfer_function = look.transfer_function;
-            scene.layers[0].shading = look.shading;
-            scene.background = look.background;
-            *operator = look.composite;
-        } else {
-            self.scene = Some((Scene::with_look(self.volume.clone(), &look), look.composite));
+        if let Some(look) = asked.get("document") {
+            let read = LookDocument::read(&look).map_err(message)?;
+            let mut fields = look.clone();
+            fields.as_object_mut().map(|fields| fields.remove("version"));
+            let layer = json!({"volume": {"path": self.file.facts.name}, "look": fields});
+            let document = json!({"wavesplat": "scene", "version": 1, "layers": [layer], "keep_table": true});
+            let framed = self.framed(&document)?;
+            self.show(framed.scene, framed.options);
+            let [name, reason, ..] = read.texts.map(Option::unwrap_or_default);
+            return Ok(json!({"name": name, "reason": reason}));
         }
-        Ok(answer)
+        let look = Look::preset(text(asked, "preset", "")?).map_err(message)?;
+        let options = FrameOptions { composite: look.composite, ..FrameOptions::default() };
+        self.show(Scene::with_look(self.volume.clone(), &look), options);
+        Ok(json!({"name": look.name, "reason": look.reason}))
     }
 
-    fn scene(&self) -> Result<&(Scene<'static>, Composite), String> {
+    /// Takes the scene of a document, with its camera, if it has one. The answer has the size of its picture.
+    ///
+    /// # Errors
+    ///
+    /// A document that is not valid, has what is not drawn yet, or names two volumes.
+    pub fn set_scene(&mut self, document: &Value) -> Result<Value, String> {
+        let framed = self.framed(document)?;
+        if framed.camera.is_some() {
+            self.pose = Some(pose_of(&CameraDocument::read(&&document["camera"]).map_err(message)?));
+        }
+        let size = framed.size_px;
+        self.show(framed.scene, framed.options);
+        Ok(json!({"size": size, "camera": self.pose.as_ref().map(camera_fields)}))
+    }
+
+    /// The scene of a document whose layers all show the volume.
+    fn framed(&self, document: &Value) -> Result<FramedScene<'static>, String> {
+        let mut source = None;
+        let framed = Scene::from_document(document, |named| {
+            if source.get_or_insert_with(|| named.clone()) != named {
+                return Err("an instance holds one volume, and this is another one".into());
+            }
+            Ok((self.volume.clone(), self.file.facts.clone()))
+        });
+        framed.map_err(message)
+    }
+
+    /// Shows a scene, with what is prepared of the samples.
+    fn show(&mut self, mut scene: Scene<'static>, options: FrameOptions) {
+        for layer in &mut scene.layers {
+            if let SceneVolume::Samples(_, cache) = &mut layer.volume {
+                *cache = Arc::clone(&self.cache);
+            }
+        }
+        self.scene = Some((scene, options));
+    }
+
+    fn scene(&self) -> Result<&(Scene<'static>, FrameOptions), String> {
         self.scene.as_ref().ok_or_else(|| "there is no look yet; ask 'look' before".to_owned())
     }
 
@@ -204,12 +242,7 @@ impl OpenedVolume {
         };
         pose.camera().map_err(message)?;
         self.pose = Some(pose);
-        let [position, focal_point, view_up] = [pose.position, pose.focal_point, pose.view_up].map(|v| v.to_array());
-        let (lens, value) = match pose.lens {
-            Lens::ParallelScale(scale) => ("parallel_scale", scale),
-            Lens::ViewAngleDeg(angle) => ("view_angle", angle),
-        };
-        Ok(json!({"version": 1, "position": position, "focal_point": focal_point, "view_up": view_up, lens: value}))
+        Ok(camera_fields(&pose))
     }
 
     /// Draws a picture; its bytes are red, green, blue and opacity, straight.
@@ -218,21 +251,18 @@ impl OpenedVolume {
     ///
     /// No look or camera yet, an unknown quality, or the renderer's.
     pub fn draw(&mut self, asked: &Value) -> Result<Vec<u8>, String> {
-        let quality = match text(asked, "quality", "normal")? {
-            "draft" => Quality::Draft,
-            "normal" => Quality::Normal,
-            "fine" => Quality::Fine,
-            "high" => Quality::High,
-            other => return Err(format!("there is no quality '{other}'; use draft, normal, fine or high")),
-        };
         let size = counts(&asked["size"], "size")?;
-        let (scene, composite) = self.scene()?;
-        let options = FrameOptions {
-            composite: *composite,
-            effort: Effort::Named(quality),
-            n_threads: Some(1),
-            ..FrameOptions::default()
-        };
+        let (scene, options) = self.scene()?;
+        let mut options = FrameOptions { n_threads: Some(1), ..options.clone() };
+        if asked.get("quality").is_some() {
+            options.effort = Effort::Named(match text(asked, "quality", "")? {
+                "draft" => Quality::Draft,
+                "normal" => Quality::Normal,
+                "fine" => Quality::Fine,
+                "high" => Quality::High,
+                other => return Err(format!("there is no quality '{other}'; use draft, normal, fine or high")),
+            });
+        }
         let frame = scene.render(&self.pose()?.camera().map_err(message)?, size, &options).map_err(message)?;
         let bytes = straight_bytes(frame.picture.rgba.as_flattened());
         self.picture = Some(frame.picture);
@@ -273,12 +303,18 @@ impl OpenedVolume {
                 step: vector(slab, "step")?,
             },
         };
-        let volume = match &self.scene {
-            Some((scene, _)) => scene.layers[0].volume.clone(),
-            None => wavesplat::SceneVolume::Samples(self.volume.clone(), std::sync::Arc::default()),
-        };
+        let volume = SceneVolume::Samples(self.volume.clone(), Arc::clone(&self.cache));
         volume.slice(&plane, &slab, Kernel::Linear, Some(1), &()).map_err(message)
     }
+}
+
+fn camera_fields(pose: &Pose) -> Value {
+    let [position, focal_point, view_up] = [pose.position, pose.focal_point, pose.view_up].map(|v| v.to_array());
+    let (lens, value) = match pose.lens {
+        Lens::ParallelScale(scale) => ("parallel_scale", scale),
+        Lens::ViewAngleDeg(angle) => ("view_angle", angle),
+    };
+    json!({"version": 1, "position": position, "focal_point": focal_point, "view_up": view_up, lens: value})
 }
 
 fn pose_of(document: &CameraDocument) -> Pose {
@@ -289,36 +325,6 @@ fn pose_of(document: &CameraDocument) -> Pose {
         LensField::ViewAngle(angle) => Lens::ViewAngleDeg(angle),
     };
     Pose { position, focal_point, view_up, lens }
-}
-
-/// The look of a document, of which the module reads curves of samples, an operator without numbers, and the default
-/// light or none.
-fn look_of(document: &Value) -> Result<Look, String> {
-    let read = LookDocument::read(&document).map_err(message)?;
-    let curves = CurvesDocument::read(&read.transfer_function, true).map_err(message)?;
-    if curves.values != "samples" || curves.opacity_unit_share.is_some() {
-        return Err(format!("look: the module reads curves of samples, not of '{}'", curves.values));
-    }
-    let opacity = curves.opacity.iter().map(|&[value, opacity]| OpacityNode { value, opacity }).collect();
-    let color = curves.color.iter().map(|&[value, r, g, b]| ColorNode { value, rgb: [r, g, b] }).collect();
-    let gradient: Vec<GradientNode> =
-        curves.gradient_opacity.iter().map(|&[magnitude, factor]| GradientNode { magnitude, factor }).collect();
-    let mut transfer_function = TransferFunction::new(opacity, color, curves.opacity_unit).map_err(message)?;
-    if !gradient.is_empty() {
-        transfer_function = transfer_function.with_gradient_opacity(gradient).map_err(message)?;
-    }
-    let shading = match read.shading {
-        None => Some(Shading::default()),
-        Some(light) if light.is_null() => None,
-        Some(_) => return Err("look: the module reads no field 'shading' but null".to_owned()),
-    };
-    let [name, description, _, _, operator, ..] = read.texts;
-    let operator = operator.unwrap_or_else(|| "over".to_owned());
-    let Some((_, composite)) = OPERATORS.into_iter().find(|(known, _)| *known == operator) else {
-        return Err(format!("look: the module reads no operator '{operator}'"));
-    };
-    let (name, reason) = (name.unwrap_or_default(), description.unwrap_or_default());
-    Ok(Look { transfer_function, shading, composite, background: None, view: None, is_cut_open: false, name, reason })
 }
 
 /// NumPy's name of the type of samples.

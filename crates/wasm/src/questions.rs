@@ -10,6 +10,7 @@
 //! | `samples` | | bytes of all samples, x fastest |
 //! | `kind` | | kind of data, and why |
 //! | `look` | `{preset}` or `{document}` | name and reason of the look |
+//! | `scene` | `{document}` | size and camera of the document's picture |
 //! | `camera` | `{fit}`, `{view}`, `{orbit}`, `{turned}`, `{zoomed}` or `{document}` | the camera |
 //! | `draw` | `{size, quality}` | RGBA, 8 bits, straight alpha |
 //! | `floats` | | the last picture: premultiplied RGBA, 32 bits |
@@ -74,6 +75,7 @@ pub fn answer(opened: &mut Option<OpenedVolume>, question: &str, asked: &[u8]) -
             Ok(Answer::text(&json!({"kind": found.kind.name(), "reason": found.reason, "is_guess": found.is_guess()})))
         }
         "look" => opened.set_look(&asked).map(|look| Answer::text(&look)),
+        "scene" => opened.set_scene(&asked["document"]).map(|scene| Answer::text(&scene)),
         "camera" => opened.set_camera(&asked).map(|camera| Answer::text(&camera)),
         "draw" => opened.draw(&asked).map(Answer::Bytes),
         "floats" => opened.floats().map(Answer::Floats),

@@ -142,12 +142,20 @@ export class VolumeModule {
     return this.#ask("look", wish) as { name: string; reason: string };
   }
 
+  /** Takes the scene of a document whose layers show the volume, with its camera, if it has one. */
+  scene(document: unknown): { readonly size: readonly [number, number] | null; readonly camera: CameraFields | null } {
+    return this.#ask("scene", { document }) as { size: [number, number] | null; camera: CameraFields | null };
+  }
+
   camera(wish: CameraWish): CameraFields {
     return this.#ask("camera", wish) as CameraFields;
   }
 
-  /** Draws a picture; the pixels are red, green, blue and opacity, straight, as a canvas takes them. */
-  draw(size: readonly [number, number], quality: "draft" | "normal" | "fine" | "high" = "normal"): Uint8ClampedArray<ArrayBuffer> {
+  /**
+   * Draws a picture; the pixels are red, green, blue and opacity, straight, as a canvas takes them. Without a quality it is
+   * the scene's, or normal.
+   */
+  draw(size: readonly [number, number], quality?: "draft" | "normal" | "fine" | "high"): Uint8ClampedArray<ArrayBuffer> {
     return new Uint8ClampedArray(this.#call("ws_ask", toBytes.encode("draw"), this.#text({ size, quality })).slice().buffer);
   }
 

@@ -40,12 +40,13 @@ const differs = (a: Buffer, b: Buffer): boolean => a.length !== b.length || !a.e
 
 describe("the picture at rest", () => {
   test("is, to the byte, what the copied Python, the copied command and the saved state draw", async () => {
+    await change(page, { op: "replace", path: "/camera", value: { ...first.camera, view_up: [0.1, 0, 1] } },
+      { op: "replace", path: "/layers/0/look/shading/ambient_occlusion", value: 0.5 }, { op: "replace", path: "/view/interface/panels", value: [] });
+    await atRest(page);
+    // Shared is what was seen before the sheet, which makes the view narrower.
+    const seen = await pixels(page);
     await openPanel(page, "share");
     await atRest(page);
-    await change(page, { op: "replace", path: "/camera", value: { ...first.camera, view_up: [0.1, 0, 1] } },
-      { op: "replace", path: "/layers/0/look/shading/ambient_occlusion", value: 0.5 });
-    await atRest(page);
-    const seen = await pixels(page);
     await page.getByLabel("With measures, bars and legend").uncheck();
     const where = folder();
     await page.getByRole("button", { name: "Copy as Python" }).click();

@@ -221,7 +221,7 @@ export const WORDS = {
   },
   timeBar: {
     title: "Time",
-    of: (time: number, count: number) => `${time + 1} of ${count}`,
+    of: (time: number, count: number, named?: string) => `${time + 1} of ${count}${named === undefined ? "" : ` · ${named}`}`,
     before: "Previous time",
     next: "Next time",
     play: "Play",

@@ -50,3 +50,11 @@ def test_wavelets_have_facts_too() -> None:
     volume = ws.WaveletVolume.from_volume(ws.examples.ripples(16))
     [info] = welcome_of(ViewerState.of(ws.Scene(volume)))["volumes"]
     assert (info["dtype"], info["shape"]) == ("wavelets", [16, 16, 16])
+
+
+@pytest.mark.parametrize(("unit", "texts"), [("s", ["0.0 s", "2.5 s"]), (None, [])])
+def test_times_have_their_unit(unit: str | None, texts: list[str]) -> None:
+    volumes = [ws.Volume(np.full((3, 4, 5), value, np.uint8)) for value in (1, 2)]
+    series = ws.Series(volumes, times=[0, 2.5], time_unit=unit)
+    [info] = welcome_of(ViewerState.of(ws.Scene([ws.Layer(series, "grey")])))["volumes"]
+    assert (info["n_times"], info["times"]) == (2, texts)

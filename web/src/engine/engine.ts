@@ -46,6 +46,8 @@ export interface VolumeInfo {
   /** Whether the axes have directions of a body, so that letters (R, L, ...) may be shown. */
   readonly is_anatomical: boolean;
   readonly n_times: number;
+  /** Texts of the times, such as "30 s"; none where their unit is not known. */
+  readonly times?: readonly string[];
   /** 4 x 4, rows: index (x, y, z) to world. */
   readonly affine: readonly (readonly number[])[];
   /** The field that gives the layer its colours; null where these are of its own values. */

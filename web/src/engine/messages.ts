@@ -38,7 +38,7 @@ const state: Check = (value, where) => {
 const camera = open({ position: point, focal_point: point, view_up: point });
 const volume = open({
   name: text, shape: point, spacing: point, unit: orNull(text), value_unit: text, kind: text, range: pair, robust_range: pair,
-  bounds: box, is_anatomical: flag, n_times: whole, dtype: text, orientation: orNull(text), notes: list(text),
+  bounds: box, is_anatomical: flag, n_times: whole, "times?": list(text), dtype: text, orientation: orNull(text), notes: list(text),
   affine: list(list(number(), 4, 4), 4, 4),
   color_field: orNull(open({ name: text, value_unit: text, color: colorNodes })),
 });

@@ -15,7 +15,7 @@ from wavesplat._model.arguments.sampling import Composite, Kernel
 from wavesplat._model.camera.camera import Camera
 from wavesplat._model.camera.fit import axes_of
 from wavesplat._model.lazy.volume import LazyVolume
-from wavesplat._model.volume.series import Series
+from wavesplat._model.volume.series import Series, time_texts
 from wavesplat._model.volume.volume import Volume
 from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat._render.windows import CT_WINDOWS
@@ -133,8 +133,15 @@ def _volume(layer: Layer) -> dict[str, Any]:
         "bounds": volume.bounds.tolist(),
         "is_anatomical": volume.is_anatomical,
         "n_times": len(layer.volume) if isinstance(layer.volume, Series) else 1,
+        "times": _times(layer.volume),
         "affine": volume.world_from_index.tolist(),
     }
+
+
+def _times(volume: Any) -> list[str]:
+    """Texts of the times of a series, such as "30 s"; none where their unit is not known."""
+    is_known = isinstance(volume, Series) and volume.time_unit is not None
+    return list(time_texts(volume.times, volume.time_unit)) if is_known else []
 
 
 def _notes(volume: Volume | WaveletVolume, found: Found) -> list[str]:

@@ -19,6 +19,7 @@ export function TimeBar({ store, ui, welcome }: PartProps) {
   const [isPlaying, setPlaying] = useState(false);
   const [rate, setRate] = useState(10);
   const [repeats, setRepeats] = useState(true);
+  const text = TEXT.of(time, count, welcome.volumes.find(({ times }) => (times?.length ?? 0) === count)?.times?.[time]);
   const last = useRef<{ at: number; seq: number }>({ at: 0, seq: 0 });
 
   const go = (next: number): void => {
@@ -75,7 +76,7 @@ export function TimeBar({ store, ui, welcome }: PartProps) {
       <input
         type="range"
         aria-label={TEXT.title}
-        aria-valuetext={TEXT.of(time, count)}
+        aria-valuetext={text}
         min={0}
         max={count - 1}
         step={1}
@@ -86,7 +87,7 @@ export function TimeBar({ store, ui, welcome }: PartProps) {
         }}
         onChange={() => store.settle()}
       />
-      <output class="look-count">{TEXT.of(time, count)}</output>
+      <output class="look-count">{text}</output>
       <label class="row">
         <NumberBox
           label={TEXT.rate}

@@ -70,6 +70,7 @@ interface FileCase {
   readonly facts: object;
   readonly kind?: [string, string];
   readonly camera?: number[];
+  readonly look?: { readonly words: (string | null)[] } | "labels" | null;
 }
 
 const CASES = lines(new URL("../../crates/files/tests/cases.jsonl", import.meta.url)).map((line) => JSON.parse(line) as FileCase);
@@ -95,7 +96,7 @@ describe("files", () => {
   };
 
   test("are read, named, looked at and framed as by Python", async () => {
-    let read = 0;
+    let [read, looks] = [0, 0];
     for (const kept of CASES) {
       const module = await VolumeModule.of(compiled);
       const open = () => module.open(kept.file, Buffer.from(kept.bytes, "hex"));
@@ -113,11 +114,17 @@ describe("files", () => {
       if (!kept.kind || !kept.camera) continue;
       const { kind, reason } = module.kind();
       expect([kind, reason], kept.file).toEqual(kept.kind);
+      if (kept.look && kept.look !== "labels") {
+        const look = module.look({ auto: true });
+        expect([look.reason, look.is_cut_open], kept.file).toEqual([kept.look.words[4], kept.look.words[3] === "cut open"]);
+        expect(look.name, kept.file).toBe("auto");
+        looks += 1;
+      }
       module.look({ preset: "ct-bone" });
       const { position, focal_point, view_up, parallel_scale } = module.camera({ fit: true });
       count("kept", [...position, ...focal_point, ...view_up, parallel_scale as number], kept.camera);
     }
-    expect(read).toBeGreaterThan(50);
+    expect([read > 50, looks > 40]).toEqual([true, true]);
   });
 
   test("are what they are natively", async () => {
@@ -126,10 +133,13 @@ describe("files", () => {
       const ours = [
         told(() => module.open(kept.file, Buffer.from(kept.bytes, "hex"))),
         told(() => module.kind()),
+        told(() => module.look({ auto: true })),
+        told(() => module.camera({ fit: true })),
         told(() => module.look({ preset: "ct-bone" })),
         ...WISHES.map((wish) => told(() => module.camera(wish))),
       ];
-      const asked = [["kind", {}], ["look", { preset: "ct-bone" }], ...WISHES.map((wish) => ["camera", wish])];
+      const looks = [["look", { auto: true }], ["camera", { fit: true }], ["look", { preset: "ct-bone" }]];
+      const asked = [["kind", {}], ...looks, ...WISHES.map((wish) => ["camera", wish])];
       const theirs = twin([{ open: kept.file, hex: kept.bytes }, ...asked.map(([ask, asked]) => ({ ask, asked }))]);
       for (const [at, answer] of ours.entries()) {
         expect(answer.error, kept.file).toBe(theirs[at]?.error);

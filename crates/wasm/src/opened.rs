@@ -9,8 +9,9 @@ use wavesplat::glam::{DAffine3, DMat3, DVec3};
 use wavesplat::look::FoundKind;
 use wavesplat::view::{Fit, InView, Lens, Pose, grid_corners};
 use wavesplat::{
-    Effort, Facts, FrameOptions, FramedScene, Kernel, Look, Picture, PlacedCamera, Plane, Quality, Reduction,
-    SampleBuffer, Samples, Scene, SceneVolume, ThickSlab, Volume, VolumeCache, kind_of, straight_bytes,
+    AutoLook, Composite, Effort, Facts, FrameOptions, FramedScene, Kernel, Look, Picture, PlacedCamera, Plane, Quality,
+    Reduction, SampleBuffer, Samples, Scene, SceneVolume, ThickSlab, Volume, VolumeCache, cut_open, kind_of,
+    straight_bytes,
 };
 
 use crate::requests::{counts, number, numbers, text};
@@ -22,6 +23,10 @@ pub struct OpenedVolume {
     /// The scene and the options of its picture, once there is a look.
     scene: Option<(Scene<'static>, FrameOptions)>,
     cache: Arc<VolumeCache>,
+    /// The volume without a corner, once a look has asked for it.
+    cut_open: Option<Volume<'static>>,
+    /// View and operator that the camera is fitted for.
+    fitted_for: (Option<&'static str>, Composite),
     pose: Option<Pose>,
     picture: Option<Picture>,
 }
@@ -92,6 +97,8 @@ impl OpenedVolume {
             volume: file.volume().map_err(message)?,
             scene: None,
             cache: Arc::default(),
+            cut_open: None,
+            fitted_for: (None, Composite::Over),
             pose: None,
             picture: None,
         })
@@ -141,11 +148,12 @@ impl OpenedVolume {
         kind_of(&self.volume, &self.file.facts)
     }
 
-    /// Takes the look of a preset, or of a document.
+    /// Takes the look that suits the volume, `{"auto": true}`, that of a preset, or of a document. The answer has the look's
+    /// document, where documents can say it.
     ///
     /// # Errors
     ///
-    /// An unknown preset, or a document that is not valid or has what is not drawn yet.
+    /// An unknown preset, samples that are all equal, or a document that is not valid or has what is not drawn yet.
     pub fn set_look(&mut self, asked: &Value) -> Result<Value, String> {
         if let Some(look) = asked.get("document") {
             let read = LookDocument::read(&look).map_err(message)?;
@@ -154,14 +162,33 @@ impl OpenedVolume {
             let layer = json!({"volume": {"path": self.file.facts.name}, "look": fields});
             let document = json!({"wavesplat": "scene", "version": 1, "layers": [layer], "keep_table": true});
             let framed = self.framed(&document)?;
-            self.show(framed.scene, framed.options);
+            self.show(framed.scene, framed.options, None);
             let [name, reason, ..] = read.texts.map(Option::unwrap_or_default);
-            return Ok(json!({"name": name, "reason": reason}));
+            return Ok(json!({"name": name, "reason": reason, "is_cut_open": false, "document": look}));
         }
-        let look = Look::preset(text(asked, "preset", "")?).map_err(message)?;
+        let look = if asked["auto"] == true {
+            Look::auto(&self.volume, &self.file.facts)
+        } else {
+            Look::preset(text(asked, "preset", "")?)
+        }
+        .map_err(message)?;
+        let volume = if look.is_cut_open { self.without_corner(look.view)? } else { self.volume.clone() };
+        let scene = Scene::with_look(volume, &look);
+        let written = scene.document(&[json!({"path": self.file.facts.name})]).ok();
+        let document = written.map(|scene| scene["layers"][0]["look"].clone());
         let options = FrameOptions { composite: look.composite, ..FrameOptions::default() };
-        self.show(Scene::with_look(self.volume.clone(), &look), options);
-        Ok(json!({"name": look.name, "reason": look.reason}))
+        self.show(scene, options, look.view);
+        let (name, reason, is_cut_open) = (look.name, look.reason, look.is_cut_open);
+        Ok(json!({"name": name, "reason": reason, "is_cut_open": is_cut_open, "document": document}))
+    }
+
+    fn without_corner(&mut self, view: Option<&str>) -> Result<Volume<'static>, String> {
+        if let Some(volume) = &self.cut_open {
+            return Ok(volume.clone());
+        }
+        let file = cut_open(&self.volume, &self.file.facts, view).map_err(message)?;
+        let volume = Box::leak(Box::new(file)).volume().map_err(message)?;
+        Ok(self.cut_open.insert(volume).clone())
     }
 
     /// Takes the scene of a document, with its camera, if it has one. The answer has the size of its picture.
@@ -175,7 +202,7 @@ impl OpenedVolume {
             self.pose = Some(pose_of(&CameraDocument::read(&&document["camera"]).map_err(message)?));
         }
         let size = framed.size_px;
-        self.show(framed.scene, framed.options);
+        self.show(framed.scene, framed.options, None);
         Ok(json!({"size": size, "camera": self.pose.as_ref().map(camera_fields)}))
     }
 
@@ -191,13 +218,17 @@ impl OpenedVolume {
         framed.map_err(message)
     }
 
-    /// Shows a scene, with what is prepared of the samples.
-    fn show(&mut self, mut scene: Scene<'static>, options: FrameOptions) {
+    /// Shows a scene, with what is prepared of the samples. `view`: the name of the view that it is made for.
+    fn show(&mut self, mut scene: Scene<'static>, options: FrameOptions, view: Option<&'static str>) {
         for layer in &mut scene.layers {
-            if let SceneVolume::Samples(_, cache) = &mut layer.volume {
+            // Samples that are cut open have others.
+            if let SceneVolume::Samples(volume, cache) = &mut layer.volume
+                && volume.grid().statistics() == self.volume.grid().statistics()
+            {
                 *cache = Arc::clone(&self.cache);
             }
         }
+        self.fitted_for = (view, options.composite);
         self.scene = Some((scene, options));
     }
 
@@ -236,7 +267,7 @@ impl OpenedVolume {
         } else if asked.get("zoomed").is_some() {
             self.pose()?.zoomed(number(asked, "zoomed", 1.0)?).map_err(message)?
         } else if asked["fit"] == true {
-            Pose::fit(&self.scene()?.0, &self.file.facts, aspect).map_err(message)?
+            Pose::fit_as(&self.scene()?.0, &self.file.facts, self.fitted_for, aspect).map_err(message)?
         } else {
             return Err("a camera is asked for by one of: fit, view, orbit, turned, zoomed, document".to_owned());
         };

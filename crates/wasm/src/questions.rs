@@ -9,7 +9,7 @@
 //! | `volume` | | name, size, type, range, facts |
 //! | `samples` | | bytes of all samples, x fastest |
 //! | `kind` | | kind of data, and why |
-//! | `look` | `{preset}` or `{document}` | name and reason of the look |
+//! | `look` | `{auto}`, `{preset}` or `{document}` | name, reason and document of the look |
 //! | `scene` | `{document}` | size and camera of the document's picture |
 //! | `camera` | `{fit}`, `{view}`, `{orbit}`, `{turned}`, `{zoomed}` or `{document}` | the camera |
 //! | `draw` | `{size, quality}` | RGBA, 8 bits, straight alpha |

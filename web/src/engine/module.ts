@@ -69,7 +69,18 @@ export type CameraWish =
   | { readonly zoomed: number }
   | { readonly document: CameraFields };
 
-export type LookWish = { readonly preset: string } | { readonly document: unknown };
+/** The look that suits the volume, a preset, or a document. */
+export type LookWish = { readonly auto: true } | { readonly preset: string } | { readonly document: unknown };
+
+/** A look that the module has taken. */
+export interface TakenLook {
+  readonly name: string;
+  readonly reason: string;
+  /** Whether the corner nearest to the eye is left out. */
+  readonly is_cut_open: boolean;
+  /** The look as a document has it; null for light or operators that documents do not say. */
+  readonly document: unknown;
+}
 
 export type DocumentKind = "camera" | "look" | "transfer function" | "transfer function 2d" | "materials" | "scene" | "state" | "view";
 
@@ -138,8 +149,8 @@ export class VolumeModule {
     return this.#ask("vectors") as string;
   }
 
-  look(wish: LookWish): { readonly name: string; readonly reason: string } {
-    return this.#ask("look", wish) as { name: string; reason: string };
+  look(wish: LookWish): TakenLook {
+    return this.#ask("look", wish) as TakenLook;
   }
 
   /** Takes the scene of a document whose layers show the volume, with its camera, if it has one. */

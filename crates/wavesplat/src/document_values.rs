@@ -232,7 +232,10 @@ pub(crate) fn composite_fields(composite: Composite) -> DocumentResult<Value> {
 }
 
 pub(crate) fn look_of(layer: &SceneLayer<'_>) -> Value {
-    let function = &layer.transfer_function;
+    look_fields(&layer.transfer_function, layer.shading.as_ref())
+}
+
+pub(crate) fn look_fields(function: &TransferFunction, shading: Option<&Shading>) -> Value {
     let unit = function.opacity_unit();
     let curves = if let Some(table) = function.function_2d() {
         json!({
@@ -250,7 +253,7 @@ pub(crate) fn look_of(layer: &SceneLayer<'_>) -> Value {
         }
         fields
     };
-    json!({"transfer_function": curves, "shading": layer.shading.as_ref().map(light_fields)})
+    json!({"transfer_function": curves, "shading": shading.map(light_fields)})
 }
 
 pub(crate) fn light_fields(shading: &Shading) -> Value {

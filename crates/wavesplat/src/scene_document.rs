@@ -8,9 +8,10 @@ use wavesplat_document::{VERSION, check_document};
 use wavesplat_look::{DataKind, Look};
 use wavesplat_splat::quality::ladder::Sampling;
 
+use crate::automatic::AutoLook;
 use crate::document_values::{
     DocumentError, DocumentResult, camera_fields, camera_of, clips, clips_of, color_of, composite_fields, curves,
-    exact, faded, look_of, made, not_drawn, operator, quality, shading,
+    exact, faded, look_fields, look_of, made, not_drawn, operator, quality, shading,
 };
 use crate::frame::{Frame, FrameOptions};
 use crate::kind::kind_of;
@@ -56,6 +57,8 @@ pub struct FramedScene<'a> {
     /// Options of the picture.
     pub options: FrameOptions,
     source: Value,
+    /// The same with the automatic look written out.
+    settled: Value,
 }
 
 /// Volume and facts that a document's source names, or why there are none.
@@ -75,12 +78,26 @@ impl<'a> Scene<'a> {
         document: &Value,
         mut volume: impl FnMut(&Value) -> Named<'a>,
     ) -> DocumentResult<FramedScene<'a>> {
-        let said = SaidScene::of(document)?;
+        check_document(&document, "scene")?;
+        let mut named = |layer: &Value, number: usize| {
+            let failed = |error| DocumentError::Volume { place: format!("layers[{number}].volume"), error };
+            volume(&layer["volume"]).map_err(failed)
+        };
+        let (mut settled, mut opened) = (document.clone(), None);
+        if let [(number, layer)] = shown_layers(document)[..]
+            && (layer["look"].is_null() || layer["look"].as_str().is_some_and(|name| name.eq_ignore_ascii_case("auto")))
+        {
+            let (samples, facts) = named(layer, number)?;
+            settled["layers"][number]["look"] = automatic(&samples, &facts, &document["render"]["composite"], number)?;
+            opened = Some((samples, facts));
+        }
+        let said = SaidScene::of(&settled)?;
         let mut layers = Vec::new();
         for layer in &said.layers {
-            let place = format!("layers[{}].volume", layer.number);
-            let (samples, facts) =
-                volume(&layer.volume).map_err(|error| DocumentError::Volume { place: place.clone(), error })?;
+            let (samples, facts) = match opened.take() {
+                Some(found) => found,
+                None => named(&document["layers"][layer.number], layer.number)?,
+            };
             if !said.keeps_table && said.options.composite != Composite::Minimum && may_have_table(&samples, &facts) {
                 return Err(not_drawn("keep_table", "false with a CT, in which a table may lie below a patient"));
             }
@@ -91,7 +108,7 @@ impl<'a> Scene<'a> {
         let scene =
             Scene { crop: said.crop, clip_planes: said.clip_planes, background: said.background, ..Scene::of(layers) };
         let (camera, size_px, options) = (said.camera, said.size_px, said.options);
-        Ok(FramedScene { scene, camera, size_px, options, source: document.clone() })
+        Ok(FramedScene { scene, camera, size_px, options, source: document.clone(), settled })
     }
 
     /// The document of the scene; `sources` name the volumes of its layers, such as `{"path": "ct.nii.gz"}`.
@@ -116,7 +133,8 @@ impl<'a> Scene<'a> {
             "background": null, "keep_table": true,
         });
         let options = FrameOptions::default();
-        FramedScene { scene: self.clone(), camera: None, size_px: None, options, source }.document()
+        let settled = source.clone();
+        FramedScene { scene: self.clone(), camera: None, size_px: None, options, source, settled }.document()
     }
 }
 
@@ -139,7 +157,7 @@ impl FramedScene<'_> {
     ///
     /// If the scene has what documents cannot say, or other layers than the document.
     pub fn document(&self) -> DocumentResult<Value> {
-        let (said, scene) = (SaidScene::of(&self.source)?, &self.scene);
+        let (said, scene) = (SaidScene::of(&self.settled)?, &self.scene);
         let has = |what: &str| Err(DocumentError::NotWritten(what.to_owned()));
         if scene.labels.is_some() {
             return has("labels");
@@ -210,6 +228,32 @@ impl FramedScene<'_> {
     }
 }
 
+/// The automatic look of the only layer, written out.
+fn automatic(samples: &Volume<'_>, facts: &Facts, composite: &Value, number: usize) -> DocumentResult<Value> {
+    let place = format!("layers[{number}].look");
+    let look = Look::auto(samples, facts).map_err(|error| made(&place, error))?;
+    let operator = composite_fields(look.composite).unwrap_or_default();
+    let is_of_view = ["minimum", "mean", "sum"].into_iter().any(|name| operator == name);
+    if kind_of(samples, facts).kind == DataKind::Labels || look.is_cut_open || operator.is_null() || is_of_view {
+        return Err(not_drawn(place, "the automatic look of such data"));
+    }
+    if !composite.is_null() && *composite != operator {
+        return Err(not_drawn(place, "the automatic look for another operator than its own"));
+    }
+    let curves = TransferFunction::clone(&look.transfer_function);
+    let mut fields = look_fields(&curves, look.shading.as_ref());
+    fields["name"] = json!("auto");
+    fields["composite"] = operator;
+    fields["background"] = json!(look.background.map(|color| color.map(exact)));
+    Ok(fields)
+}
+
+/// The layers that are visible, with their numbers.
+fn shown_layers(document: &Value) -> Vec<(usize, &Value)> {
+    let is_shown = |layer: &Value| layer["visible"] != json!(false) && layer["opacity"].as_f64() != Some(0.0);
+    document["layers"].as_array().into_iter().flatten().enumerate().filter(|(_, layer)| is_shown(layer)).collect()
+}
+
 /// Whether a volume may be a CT of a patient, who may lie on a table.
 fn may_have_table(volume: &Volume<'_>, facts: &Facts) -> bool {
     facts.is_anatomical
@@ -232,7 +276,6 @@ struct SaidScene {
 /// A visible layer, by its number in the document.
 struct SaidLayer {
     number: usize,
-    volume: Value,
     transfer_function: TransferFunction,
     shading: Option<Shading>,
     composite: String,
@@ -252,10 +295,9 @@ impl SaidScene {
         if !is_empty(&document["geometry"]) {
             return Err(not_drawn("geometry", "shapes"));
         }
-        let all = document["layers"].as_array().map_or(&[][..], Vec::as_slice);
-        let is_shown = |layer: &Value| layer["visible"] != json!(false) && layer["opacity"].as_f64() != Some(0.0);
-        let shown: Vec<_> = all.iter().enumerate().filter(|(_, layer)| is_shown(layer)).collect();
-        let layers = shown.into_iter().map(|(number, layer)| SaidLayer::of(layer, number, document.get("shading")));
+        let layers = shown_layers(document)
+            .into_iter()
+            .map(|(number, layer)| SaidLayer::of(layer, number, document.get("shading")));
         let layers = layers.collect::<DocumentResult<Vec<SaidLayer>>>()?;
         let Some(first) = layers.first() else { return Err(not_drawn("layers", "no layer that is visible")) };
         let (crop, clip_planes) = clips(&document["clip"])?;
@@ -338,7 +380,7 @@ impl SaidLayer {
             Some(light) => shading(light, "shading")?,
         };
         let is_auto = look["name"] == "auto" && background.is_none();
-        Ok(Self { number, volume: layer["volume"].clone(), transfer_function, shading, composite, background, is_auto })
+        Ok(Self { number, transfer_function, shading, composite, background, is_auto })
     }
 }
 

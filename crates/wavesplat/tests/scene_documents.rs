@@ -102,7 +102,7 @@ fn what_is_not_drawn_yet_is_said() {
         ("/geometry", text(json!({"grid": true})), "geometry: shapes"),
         ("/figure", json!({"title": "t"}), "figure: marks"),
         ("/clip", json!([{"cut_out": {"lower": [0, 0, 0], "upper": [1, 1, 1]}}]), "clip[0]: a box that is taken out"),
-        ("/layers/0/look", json!(null), "layers[0].look: the look that suits the data"),
+        ("/layers/-", json!({"volume": {"path": "b.npy"}}), "layers[1].look: the look that suits the data"),
         ("/layers/0/look", json!({"map": "hot"}), "layers[0].look: a colour map"),
         ("/layers/0/look", json!("mr-head"), "layers[0].look: "),
         ("/layers/0/look/part", json!("body"), "layers[0].look.part: a part"),

@@ -54,6 +54,7 @@ def scenes(folder: Path) -> Iterator[tuple[str, ws.Scene, ws.Camera, dict[str, A
     yield "a table", ws.Scene(a, table), CAMERA, {"quality": ws.Sampling(2.5, 1.25)}
     yield "a preset", ws.Scene(b, "ct-bone", keep_table=True), NEAR, {}
     yield "an automatic look", ws.Scene(a), CAMERA, {}
+    yield "an automatic look of numbers", ws.Scene(b, background="white"), NEAR, {}
 
 
 def lines() -> Iterator[dict[str, Any]]:
@@ -67,8 +68,6 @@ def lines() -> Iterator[dict[str, Any]]:
             given |= {"camera": settled["camera"], "render": settled["render"]}
             for kind, document in (("settled", settled), ("given", given)):
                 text = json.dumps(document).replace(json.dumps(str(folder))[1:-1] + "/", "")
-                if kind == "given" and any(layer["look"] is None for layer in document["layers"]):
-                    continue
                 read = scene_json.parse(text, folder)
                 again = read.scene.render(read.camera, **read.options)
                 yield {"name": f"{name}, {kind}", "document": json.loads(text), "sum": sum_of(again.rgba)}

@@ -151,6 +151,11 @@ pub(crate) fn clips(given: &Value) -> DocumentResult<(Option<Crop>, Vec<ClipPlan
 
 /// A colour, straight, with its opacity; `None` for null and "transparent".
 pub(crate) fn color_of(given: &Value, field: &str) -> DocumentResult<Option<[f32; 4]>> {
+    Ok(straight_color(given, field)?.map(|rgba| rgba.map(|channel| channel as f32)))
+}
+
+/// The same in double precision.
+pub(crate) fn straight_color(given: &Value, field: &str) -> DocumentResult<Option<[f64; 4]>> {
     let named = |name: &str| {
         let rgb = match name {
             "black" => [0.0; 3],
@@ -185,7 +190,7 @@ pub(crate) fn color_of(given: &Value, field: &str) -> DocumentResult<Option<[f32
     if rgba.iter().any(|channel| !(0.0..=1.0).contains(channel)) {
         return Err(made(field, Error::out_of_range("colour", given, "numbers 0..1", "divide 8-bit colours by 255")));
     }
-    Ok(Some(rgba.map(|channel| channel as f32)))
+    Ok(Some(rgba))
 }
 
 pub(crate) fn camera_of(fields: &Value) -> DocumentResult<Camera> {

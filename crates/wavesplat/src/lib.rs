@@ -92,6 +92,7 @@ mod automatic;
 mod block_state;
 mod bytes;
 mod device;
+mod document_labels;
 mod document_values;
 mod error;
 mod frame;

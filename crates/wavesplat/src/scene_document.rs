@@ -1,14 +1,17 @@
 //! Scenes from documents, and documents of scenes.
 
 use std::error::Error as AnyError;
+use std::sync::Arc;
 
 use serde_json::{Value, json};
 use wavesplat_core::{Camera, ClipPlane, Composite, Crop, Error, Facts, Kernel, Shading, TransferFunction, Volume};
 use wavesplat_document::{VERSION, check_document};
 use wavesplat_look::{DataKind, Look};
+use wavesplat_splat::optics::labels::Labels;
 use wavesplat_splat::quality::ladder::Sampling;
 
 use crate::automatic::AutoLook;
+use crate::document_labels::labels_of;
 use crate::document_values::{
     DocumentError, DocumentResult, camera_fields, camera_of, clips, clips_of, color_of, composite_fields, curves,
     exact, faded, look_fields, look_of, made, not_drawn, operator, quality, shading,
@@ -59,6 +62,8 @@ pub struct FramedScene<'a> {
     source: Value,
     /// The same with the automatic look written out.
     settled: Value,
+    /// The labels of the document.
+    labels: Option<Arc<Labels>>,
 }
 
 /// Volume and facts that a document's source names, or why there are none.
@@ -101,14 +106,27 @@ impl<'a> Scene<'a> {
             if !said.keeps_table && said.options.composite != Composite::Minimum && may_have_table(&samples, &facts) {
                 return Err(not_drawn("keep_table", "false with a CT, in which a table may lie below a patient"));
             }
-            let volume = SceneVolume::Samples(samples, std::sync::Arc::default());
+            let volume = SceneVolume::Samples(samples, Arc::default());
             let (transfer_function, shading) = (layer.transfer_function.clone(), layer.shading.clone());
             layers.push(SceneLayer { volume, transfer_function, shading, color: None });
         }
-        let scene =
-            Scene { crop: said.crop, clip_planes: said.clip_planes, background: said.background, ..Scene::of(layers) };
+        let labels = match &document["labels"] {
+            Value::Null => None,
+            fields => {
+                let failed = |error| DocumentError::Volume { place: "labels.volume".to_owned(), error };
+                let (segmentation, _) = volume(&fields["volume"]).map_err(failed)?;
+                Some(labels_of(fields, &segmentation, layers[0].volume.grid())?)
+            }
+        };
+        let scene = Scene {
+            labels: labels.clone(),
+            crop: said.crop,
+            clip_planes: said.clip_planes,
+            background: said.background,
+            ..Scene::of(layers)
+        };
         let (camera, size_px, options) = (said.camera, said.size_px, said.options);
-        Ok(FramedScene { scene, camera, size_px, options, source: document.clone(), settled })
+        Ok(FramedScene { scene, camera, size_px, options, source: document.clone(), settled, labels })
     }
 
     /// The document of the scene; `sources` name the volumes of its layers, such as `{"path": "ct.nii.gz"}`.
@@ -134,7 +152,8 @@ impl<'a> Scene<'a> {
         });
         let options = FrameOptions::default();
         let settled = source.clone();
-        FramedScene { scene: self.clone(), camera: None, size_px: None, options, source, settled }.document()
+        FramedScene { scene: self.clone(), camera: None, size_px: None, options, source, settled, labels: None }
+            .document()
     }
 }
 
@@ -159,7 +178,8 @@ impl FramedScene<'_> {
     pub fn document(&self) -> DocumentResult<Value> {
         let (said, scene) = (SaidScene::of(&self.settled)?, &self.scene);
         let has = |what: &str| Err(DocumentError::NotWritten(what.to_owned()));
-        if scene.labels.is_some() {
+        let is_known = |labels: &Arc<Labels>| self.labels.as_ref().is_some_and(|known| Arc::ptr_eq(known, labels));
+        if scene.labels.as_ref().is_some_and(|labels| !is_known(labels)) {
             return has("labels");
         }
         if *scene.shapes != wavesplat_core::Shapes::default() {
@@ -169,6 +189,9 @@ impl FramedScene<'_> {
             return has("other layers than the document that it was read from");
         }
         let mut document = self.source.clone();
+        if scene.labels.is_none() && self.labels.is_some() {
+            document["labels"] = Value::Null;
+        }
         let is_lit_alike = scene.layers.iter().zip(&said.layers).all(|(layer, before)| layer.shading == before.shading);
         if !is_lit_alike {
             document["shading"] = json!("look");
@@ -287,13 +310,10 @@ struct SaidLayer {
 impl SaidScene {
     fn of(document: &Value) -> DocumentResult<Self> {
         check_document(&document, "scene")?;
-        for (field, what) in [("labels", "labels"), ("figure", "marks on the picture")] {
+        for (field, what) in [("geometry", "shapes"), ("figure", "marks on the picture")] {
             if !is_empty(&document[field]) {
                 return Err(not_drawn(field, what));
             }
-        }
-        if !is_empty(&document["geometry"]) {
-            return Err(not_drawn("geometry", "shapes"));
         }
         let layers = shown_layers(document)
             .into_iter()
@@ -322,6 +342,9 @@ impl SaidScene {
                 format!("layers[{}].look.name", first.number),
                 "\"auto\" of a projection on a background",
             ));
+        }
+        if !document["labels"].is_null() && (first.number > 0 || options.composite != Composite::Over) {
+            return Err(not_drawn("labels", "labels of a hidden layer, or with another operator than over"));
         }
         let keeps_table = document["keep_table"] == json!(true);
         Ok(Self { layers, crop, clip_planes, background, keeps_table, camera, size_px, options })

@@ -15,12 +15,15 @@ fn samples<T>(value: impl Fn([i32; 3]) -> T) -> Vec<T> {
 struct Files {
     a: Vec<u8>,
     b: Vec<i16>,
+    /// A segmentation.
+    c: Vec<u8>,
 }
 
 impl Files {
     fn new() -> Self {
         let a = samples(|[x, y, z]| u8::try_from((7 * x * x + 5 * y * y + 3 * z * z + x * y * z) % 256).unwrap());
-        Self { a, b: samples(|[x, y, z]| i16::try_from(40 * x + 30 * y * z - 600).unwrap()) }
+        let c = samples(|[x, y, z]| u8::from(x > 3 && y > 2) + u8::from(x > 6 && y > 5 && z > 2));
+        Self { a, c, b: samples(|[x, y, z]| i16::try_from(40 * x + 30 * y * z - 600).unwrap()) }
     }
 
     fn read(&self, document: &Value) -> Result<FramedScene<'_>, DocumentError> {
@@ -28,6 +31,7 @@ impl Files {
             let samples = match source["path"].as_str() {
                 Some("a.npy") => Samples::U8(&self.a),
                 Some("b.npy") => Samples::I16(&self.b),
+                Some("c.npy") => Samples::U8(&self.c),
                 _ => return Err("no such file".into()),
             };
             Ok((Volume::new("a", samples, SHAPE, DAffine3::IDENTITY)?, Facts::default()))
@@ -98,7 +102,8 @@ fn what_is_not_drawn_yet_is_said() {
     let files = Files::new();
     let text = |shape| json!([{"frame": shape}]);
     for (path, value, said) in [
-        ("/labels", json!({"volume": {"path": "b.npy"}}), "labels: labels, which this crate cannot draw yet"),
+        ("/labels", json!({"volume": {"path": "d.npy"}}), "labels.volume: no such file"),
+        ("/labels", json!({"volume": {"path": "c.npy"}, "labels": {"9": {"color": "red"}}}), "labels: label is 9"),
         ("/geometry", text(json!({"grid": true})), "geometry: shapes"),
         ("/figure", json!({"title": "t"}), "figure: marks"),
         ("/clip", json!([{"cut_out": {"lower": [0, 0, 0], "upper": [1, 1, 1]}}]), "clip[0]: a box that is taken out"),
@@ -110,7 +115,7 @@ fn what_is_not_drawn_yet_is_said() {
         ("/layers/0/time", json!(1), "layers[0].time: another time"),
         ("/layers/0/color_from", json!({"volume": {"path": "b.npy"}}), "layers[0].color_from: a field"),
         ("/layers/0/visible", json!(false), "layers: no layer that is visible"),
-        ("/layers/0/volume/path", json!("c.npy"), "layers[0].volume: no such file"),
+        ("/layers/0/volume/path", json!("d.npy"), "layers[0].volume: no such file"),
         ("/background", json!("skyblue"), "background: the colour \"skyblue\""),
         ("/render/stereo", json!("left"), "render.stereo: two eyes"),
         ("/render/psnr", json!(40), "render.psnr: a wanted PSNR"),

@@ -153,6 +153,7 @@ ROOMS = {
         "device",
         "frame",
         "document_values",
+        "document_labels",
         "scene_document",
         "block_state",
         "stream",

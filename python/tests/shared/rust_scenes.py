@@ -27,6 +27,7 @@ def volumes(folder: Path) -> tuple[ws.Volume, ws.Volume]:
     """Bytes, and whole numbers of 16 bits, by the formulas of `crates/wavesplat/tests/scene_documents.rs`."""
     z, y, x = np.indices((8, 10, 12))
     np.save(folder / "a.npy", ((7 * x * x + 5 * y * y + 3 * z * z + x * y * z) % 256).astype(np.uint8))
+    np.save(folder / "c.npy", ((x > 3) & (y > 2)).astype(np.uint8) + ((x > 6) & (y > 5) & (z > 2)))
     np.save(folder / "b.npy", (40 * x + 30 * y * z - 600).astype(np.int16))
     return ws.open(folder / "a.npy"), ws.open(folder / "b.npy", spacing=(1, 1, 1))
 
@@ -52,6 +53,11 @@ def scenes(folder: Path) -> Iterator[tuple[str, ws.Scene, ws.Camera, dict[str, A
     layers = [ws.Layer(a, CURVES, opacity=0.5), hidden, ws.Layer(b, steep, name="second")]
     yield "layers", ws.Scene(layers, background="#204060"), NEAR, {}
     yield "a table", ws.Scene(a, table), CAMERA, {"quality": ws.Sampling(2.5, 1.25)}
+    segmentation = ws.open(folder / "c.npy")
+    organs = {1: ws.Label("#40a0e0", 0, name="tinted", tint=0.7), 2: ws.Label((0.9, 0.5, 0.2))}
+    yield "labels", ws.Scene(a, CURVES, labels=ws.Labels(segmentation, organs)), NEAR, {}
+    yield "plain labels", ws.Scene([a, b], [CURVES, CURVES], labels=ws.Labels(segmentation, smooth=False)), CAMERA, {}
+    yield "labels, an automatic look", ws.Scene(a, labels=ws.Labels(segmentation, organs)), NEAR, {}
     yield "a preset", ws.Scene(b, "ct-bone", keep_table=True), NEAR, {}
     yield "an automatic look", ws.Scene(a), CAMERA, {}
     yield "an automatic look of numbers", ws.Scene(b, background="white"), NEAR, {}

@@ -206,3 +206,14 @@ def test_the_automatic_look_of_the_command_is_a_short_command_too(scans):
     command = code.command_of(state, SIZE)
     assert "--preset auto " in command
     assert len(command.replace(f"{scans}/", "")) < 300
+
+
+def test_a_link_has_the_layout_of_the_window_that_asks():
+    state = ViewerState.of(ws.Scene(ws.examples.ripples(8), "grey"))
+    window = {"layout": {"name": "single", "main": "z"}, "interface": {**state.view["interface"], "panels": ["share"]}}
+    told, _ = questions.answer_of(state, "code", {"as": "link", "width": 1, "height": 1, "window": window})
+    view = json.loads(told["text"])["state"]["view"]
+    assert {name: view[name] for name in window} == window
+    for wrong in ("z", {"slices": {}}, {"layout": {"name": "five"}}):
+        with pytest.raises(ArgumentError):
+            questions.answer_of(state, "code", {"as": "link", "width": 1, "height": 1, "window": wrong})

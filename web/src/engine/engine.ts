@@ -1,7 +1,7 @@
 // The interface of an engine, which draws the pictures. There is one so far, `remoteEngine`; one in the page may follow.
 
 import type { Operation } from "../state/patch.ts";
-import type { Camera, Look, SliceColors, Vec3, ViewName, ViewerState } from "../state/state.ts";
+import type { Camera, Look, SliceColors, Vec3, View, ViewName, ViewerState } from "../state/state.ts";
 import type { SliceValuesHeader } from "./slice_values.ts";
 import type { Stop } from "../state/store.ts";
 
@@ -304,7 +304,7 @@ export interface Questions {
    * that makes a movie of a turn, the
    * file for `--state`, the short state for a link, or a page.
    */
-  code: { question: Saved & { as: "python" | "command" | "movie" | "state" | "link" | "html" }; answer: { text: string; name: string } };
+  code: { question: Saved & { window?: Pick<View, "layout" | "interface">; as: "python" | "command" | "movie" | "state" | "link" | "html" }; answer: { text: string; name: string } };
   /** A token that lets one page in, for a link; asked of the server, so not in notebooks. */
   token: { question: Readonly<Record<string, never>>; answer: { token: string } };
   /** Takes the text of a state file; the answer is the state, with the volumes that are open. */

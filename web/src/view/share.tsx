@@ -65,7 +65,8 @@ export function SharePanel(props: PartProps) {
 
   const code = async (as: Questions["code"]["question"]["as"], use: (text: string, name: string) => Promise<void> | void) => {
     try {
-      const found = await engine.ask("code", { as, ...wanted() });
+      const { layout, interface: panels } = store.state.view;
+      const found = await engine.ask("code", { as, ...wanted(), window: { layout, interface: panels } });
       await use(found.text, found.name);
     } catch (problem) {
       ui.problem(problemOf(problem));

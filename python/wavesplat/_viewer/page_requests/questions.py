@@ -431,9 +431,20 @@ def _wanted(state: ViewerState, arguments: Mapping[str, Any], question: str) -> 
     return state, check_shown(arguments.get("shown", "3d")), _flag(arguments, "annotated")
 
 
+def _in_window(state: ViewerState, arguments: Mapping[str, Any]) -> ViewerState:
+    """The state with the layout and panels of the page's window, where the page says that they are others."""
+    window = arguments.get("window")
+    if window is None:
+        return state
+    if not isinstance(window, Mapping) or not set(window) <= {"layout", "interface"}:
+        raise ArgumentError(f"code: window is {described(window)}; give an object of layout and interface")
+    return state.patched([{"op": "add", "path": f"/view/{name}", "value": value} for name, value in window.items()])
+
+
 def _code(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:
     size = _size(arguments)
     kind = _text(arguments, "as")
+    state = _in_window(state, arguments)
     wanted, shown, marks = _wanted(state, arguments, "code")
     name = name_of(state, shown)
     makers: dict[str, tuple[str, Callable[[], str]]] = {

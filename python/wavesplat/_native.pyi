@@ -59,6 +59,7 @@ __all__ = [
     "camera_zoomed",
     "cameras_evenly",
     "channel_color",
+    "channel_light",
     "channel_ramp",
     "channel_window",
     "check_material",
@@ -67,6 +68,7 @@ __all__ = [
     "check_state",
     "check_values",
     "checked_view",
+    "cleared",
     "curves_fields",
     "distinct_colors",
     "encode_png",
@@ -82,6 +84,7 @@ __all__ = [
     "gpu_settle",
     "greys_of_pixels",
     "greys_of_projection",
+    "has_two_signs",
     "in_one_unit",
     "in_window",
     "is_block",
@@ -99,6 +102,7 @@ __all__ = [
     "map_colors",
     "map_is_diverging",
     "map_nodes",
+    "map_over",
     "materials_fields",
     "normals_of_faces",
     "opaque_after",
@@ -793,6 +797,30 @@ def channel_window(
     of: _VolumeChannel, largest: float, samples: Callable[[], NDArray[np.float64]]
 ) -> tuple[float, float, str]: ...
 def is_whole_range(window: tuple[float, float], largest: float) -> bool: ...
+def map_over(
+    places: NDArray[np.float64],
+    colors: NDArray[np.float64],
+    is_diverging: bool,
+    values: tuple[float, float],
+    is_window: bool,
+    longest_side: float,
+) -> tuple[_Nodes, float | None] | None:
+    """Nodes and opacity unit of a map for a volume over another one; None of a window that a diverging map has not."""
+
+def cleared(
+    function: TransferFunction,
+    made_for: str,
+    has_name: bool,
+    composite: str,
+    range: tuple[float, float],
+    longest_side: float,
+) -> tuple[list[tuple[float, float]], float | None] | None:
+    """Opacities, and their unit, that are clear where the values are least; None where the look is so already."""
+
+def has_two_signs(function: TransferFunction) -> bool: ...
+def channel_light(
+    color: Sequence[tuple[float, float, float, float]], is_projection: bool
+) -> tuple[float, float, tuple[float, float, float], list[tuple[float, float, float, float]]]: ...
 def light_step(shape: tuple[int, int, int], world_from_index: NDArray[np.float64]) -> tuple[int, int, int]:
     """Steps (z, y, x) between the samples that light is worked out from."""
 

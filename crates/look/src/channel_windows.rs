@@ -21,7 +21,7 @@ const DARK_PART: f64 = 0.3;
 const MIN_SHARE: f64 = 3e-4;
 const MAX_SHARE: f64 = 0.3;
 /// Largest difference of values that are equal but for rounding.
-const ROUNDING: f64 = 1e-6;
+pub(crate) const ROUNDING: f64 = 1e-6;
 /// Colour of fluorescence whose file has none: green, as GFP has it, white where it is brightest.
 const GREEN: Rgb = [0.35, 1.0, 0.45];
 /// Largest luminance of the full colour of fluorescence, so that white and yellow have room for what is brighter, and the

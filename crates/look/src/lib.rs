@@ -23,6 +23,7 @@
 mod automatic;
 pub mod changes;
 pub mod channel_colors;
+mod channel_light;
 pub mod channel_ramp;
 mod channel_windows;
 pub mod colormaps;
@@ -38,6 +39,7 @@ mod look;
 mod map_tables;
 mod measured_maps;
 mod numbers;
+mod over_others;
 pub mod presets;
 mod projections;
 pub mod quantities;
@@ -52,6 +54,7 @@ pub mod windows;
 mod words;
 
 pub use automatic::{AutomaticLook, Refusal, SOLID_LIGHT, SliceFacts, Subject, is_block};
+pub use channel_light::ChannelLight;
 pub use channel_windows::{ChannelWindow, VolumeChannel, is_whole_range, window_of_values};
 pub use evidence::{
     Evidence, HISTOGRAM_SAMPLES, KIND_SAMPLES, MIN_FINITE, Neighbourhood, SeenSamples, SidePair, Source, UNIT_SAMPLES,
@@ -63,6 +66,7 @@ pub use histogram::{N_BINS, ROBUST, Scan, otsu, otsu_of_scan, robust_range, with
 pub use hounsfield::{looks_like_hounsfield, stored_offset};
 pub use kinds::{FAR, FoundKind, kind};
 pub use look::{LightSettings, Look};
+pub use over_others::{MapColors, OverCurves, OverLook, OverValues, is_of_two_signs};
 pub use projections::{HOUNSFIELD_ATTENUATION, RayOperator, SpreadSamples};
 pub use scans::CurveNodes;
 pub use words::in_digits;

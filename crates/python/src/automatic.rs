@@ -22,7 +22,7 @@ fn spread<'a>((samples, size, spacing): &'a SpreadOver<'_>) -> PyResult<SpreadSa
     Ok(SpreadSamples { samples: samples.as_slice()?, shape: [n_z, n_y, n_x], size: *size, spacing: *spacing })
 }
 
-fn operator(name: &str) -> RayOperator {
+pub fn operator(name: &str) -> RayOperator {
     RayOperator::named(name).expect("a name that Python checked")
 }
 

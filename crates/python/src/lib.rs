@@ -11,6 +11,7 @@ mod labels;
 mod lazy;
 mod length_units;
 mod look;
+mod over_others;
 mod progress;
 mod reference;
 mod rendering;
@@ -69,6 +70,8 @@ mod _native {
         channel_color, distinct_colors, label_color, map_colors, map_is_diverging, map_nodes, plain_name, presets,
         rise_nodes, scale_nodes, slicer_presets,
     };
+    #[pymodule_export]
+    use crate::over_others::{channel_light, cleared, has_two_signs, map_over};
     #[pymodule_export]
     use crate::reference::{raycast, splat_literal};
     #[pymodule_export]

@@ -108,6 +108,8 @@ ROOMS = {
         "projections",
         "channel_windows",
         "automatic",
+        "channel_light",
+        "over_others",
     ],
     "crates/view/src": [
         "rotation",

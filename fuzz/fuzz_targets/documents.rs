@@ -3,7 +3,9 @@
 #![no_main]
 
 use serde_json::Value;
-use wavesplat_document::{CameraDocument, CurvesDocument, LookDocument, MaterialsDocument, TableDocument, check_view, patched};
+use wavesplat_document::{
+    CameraDocument, CurvesDocument, LookDocument, MaterialsDocument, TableDocument, check_document, check_view, patched,
+};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let mut texts = data.split(|byte| *byte == b'\n').map(serde_json::from_slice::<Value>);
@@ -20,6 +22,8 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let found = [
         ("camera", CameraDocument::read(node).err()),
         ("scene: view", check_view(node).err()),
+        ("scene", check_document(node, "scene").err()),
+        ("scene", check_document(node, "state").err()),
         ("transfer function", CurvesDocument::read(node, false).err()),
         ("two-dimensional transfer function", TableDocument::read(node).err()),
         ("look", LookDocument::read(node).err()),

@@ -74,7 +74,7 @@ class Reach:
         FileError
             If it names a file elsewhere, or wants more to be read than it may.
         ArgumentError
-            If a path is no text.
+            If it says where files are written.
         """
         if options.get("external_files") and not self.external_files:
             raise FileError(f"{what} asks that the file may name other files, which only you can allow; {MEND}")
@@ -108,10 +108,8 @@ class Reach:
                     f"{self.folder}{also}; go to the file's folder, or copy the document there"
                 )
 
-    def path(self, path: Any, what: str) -> str:
+    def path(self, path: str, what: str) -> str:
         """The absolute path, or the address, that a document names."""
-        if not isinstance(path, str):
-            raise ArgumentError(f"{what}: field 'path' is {described(path)}; it must be the name of a file")
         if is_address(path):
             if not (self.external_files or is_web(path)):
                 raise FileError(f"{what} names {safe_address(path)!r}, which is no address of a web server; {MEND}")

@@ -25,7 +25,7 @@ interface Told {
   readonly crc32?: number;
 }
 
-/** What the twin answers to calls. */
+/** The answers of the twin to calls. */
 function twin(calls: readonly object[]): Told[] {
   const input = calls.map((call) => JSON.stringify(call)).join("\n");
   const { stdout, stderr, status } = spawnSync(given("WAVESPLAT_TWIN"), { input, encoding: "utf8", maxBuffer: 1 << 28 });

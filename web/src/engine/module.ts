@@ -93,7 +93,7 @@ export interface SlicePlane {
   readonly slab?: { readonly n_planes: number; readonly step: Vec3; readonly reduction: "maximum" | "minimum" | "mean" };
 }
 
-/** What the module refuses: a wrong file, name or number. The instance goes on. */
+/** A refusal of the module: a wrong file, name or number. The instance goes on. */
 export class ModuleError extends Error {
   override readonly name = "ModuleError";
 }

@@ -288,6 +288,7 @@ QUESTIONS = {
     "histogram": {"layer": 0, "bins": 8, "low": 0, "high": 255},
     "region": {"points": [[3, 3, 3], [9, 3, 3], [3, 9, 3]]},
     "pick": {"width": 16, "height": 12, "x": 0.5, "y": 0.5},
+    "layer_change": {"layer": 0, "colors": "hot", "window": [1, "99%"], "threshold": 2, "gamma": 0.5},
     "preset": {"layer": 0, "name": "ct-bone"},
     "preset_picture": {"layer": 0, "name": "auto", "size": 16},
     "framed": {"width": 16, "height": 12, "camera": ws.Camera.view(BALL, "left").as_json()},

@@ -135,6 +135,15 @@ def test_one_slice(tmp_path, name):
     fails(save(tmp_path / name, NOISE[:1]), r"a single plane of x \d+, y \d+, z 1 samples.*`wavesplat slice` shows it")
 
 
+def test_a_message_of_a_library_names_the_file_once(tmp_path):
+    path = tmp_path / "bad.nii.gz"
+    path.write_bytes(b"no gzip file" * 40)
+    with pytest.raises(FileError) as caught:
+        ws.open(path)
+    assert str(caught.value).count("bad.nii.gz") == 1
+    assert str(caught.value).startswith("cannot read as NIfTI: it is not a gzip file; ")
+
+
 def test_zero_size(tmp_path):
     np.save(tmp_path / "a.npy", NOISE[:0])
     fails(tmp_path / "a.npy", "holds no samples")

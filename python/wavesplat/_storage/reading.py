@@ -112,9 +112,8 @@ def reading(kind: str, path: object, *, other_form: str | None = None) -> Iterat
     except Exception as error:
         if isinstance(error, MemoryError) or NO_MEMORY.search(str(error)):
             raise LimitError(_memory_line(kind, path)) from error
-        raise FileError(
-            f"cannot read as {kind}: {_informative_line(error)}; {_advice(error, other_form)}: {path}"
-        ) from error
+        line = _without_path(_informative_line(error), str(path))
+        raise FileError(f"cannot read as {kind}: {line}; {_advice(error, other_form)}: {path}") from error
 
 
 def _advice(error: Exception, other_form: str | None) -> str:
@@ -141,6 +140,11 @@ def _memory_line(kind: str, path: object) -> str:
     free = free_bytes()
     has = "" if free is None else f", of which this machine has {free / GIB:.1f} GiB"
     return f"reading {kind} takes more memory than there is{has}; use a smaller or coarser file: {path}"
+
+
+def _without_path(line: str, path: str) -> str:
+    """A library's message without the path, which ends ours."""
+    return re.sub(rf"""(?:\b[Ff]ile )?(["']?){re.escape(path)}\1""", "it", line) if path else line
 
 
 def _informative_line(error: BaseException) -> str:

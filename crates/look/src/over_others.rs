@@ -27,7 +27,7 @@ const DARK: f64 = 0.02;
 /// The values that a map is spread over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OverValues {
-    /// Those that count as the volume's smallest and largest.
+    /// Values that count as the volume's smallest and largest.
     OfVolume(f64, f64),
     /// A window: values that are clear and that are opaque.
     Window(f64, f64),

@@ -103,7 +103,7 @@ pub struct SpreadSamples<'a> {
 }
 
 impl SpreadSamples<'_> {
-    /// Those that are numbers.
+    /// Samples that are numbers.
     pub fn finite(&self) -> Vec<f64> {
         those(self.samples, f64::is_finite)
     }

@@ -1,7 +1,8 @@
 //! Looks by name: ours, and those of 3D Slicer.
 //!
-//! A preset for data without fixed units cannot name samples, so its nodes are places on a [`Scale`] of the volume's own
-//! values. Where Slicer has a preset of the same name as ours, `slicer-` before it means Slicer's.
+//! A preset for data without fixed units cannot name samples, so its nodes are places on a
+//! [`Scale`](crate::scale::Scale) of the volume's own values. Where Slicer has a preset of the same name as ours,
+//! `slicer-` before it means Slicer's.
 
 mod ours;
 mod preset;

@@ -22,7 +22,7 @@ pub enum OpacityUnit {
 pub struct Preset {
     /// Its name.
     pub name: &'static str,
-    /// Kind of data that it is for, one of [`GROUPS`].
+    /// Kind of data that it is for, one of [`GROUPS`](crate::presets::GROUPS).
     pub kind: &'static str,
     /// For which data it is.
     pub description: &'static str,

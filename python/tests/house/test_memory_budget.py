@@ -11,7 +11,7 @@ import pytest
 from lazy_fakes import Chunked, shells
 
 import wavesplat as ws
-from wavesplat._model.lazy.read_ahead import check_budget
+from wavesplat._model.lazy.memory_budget import check_budget
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="peak memory is read from /proc")
 

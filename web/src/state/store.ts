@@ -64,7 +64,7 @@ export function createStore(engine: Engine): Store {
     if (shown?.of !== of || shown.own !== own) shown = { of, own, state: withOwn(of, own) };
     return shown.state;
   };
-  /** What this window showed, and the session's state had, at the last change. */
+  /** The layout of this window, and that of the session, at the last change. */
   let last = ownOf(engine.state);
   let ofSession = "";
   const note = (): void => {

@@ -8,7 +8,8 @@ use wavesplat::look::{
     SpreadSamples, Subject, VolumeChannel,
 };
 
-use crate::arguments::PyTransferFunction;
+use crate::arguments::{PyTransferFunction, Text};
+use crate::errors::exceptions::ArgumentError;
 use crate::kinds::{More, Nodes, PyFacts, Values, nodes};
 use crate::look::{ChannelTuple, RgbTuple, channel};
 
@@ -22,14 +23,25 @@ fn spread<'a>((samples, size, spacing): &'a SpreadOver<'_>) -> PyResult<SpreadSa
     Ok(SpreadSamples { samples: samples.as_slice()?, shape: [n_z, n_y, n_x], size: *size, spacing: *spacing })
 }
 
-pub fn operator(name: &str) -> RayOperator {
-    RayOperator::named(name).expect("a name that Python checked")
+/// An operator by its public name.
+pub struct PyRayOperator(pub RayOperator);
+
+impl<'py> FromPyObject<'_, 'py> for PyRayOperator {
+    type Error = PyErr;
+
+    fn extract(name: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let Text(name) = name.extract()?;
+        RayOperator::named(&name).map(Self).ok_or_else(|| {
+            let names = RayOperator::NAMES.map(|(name, _)| name).join(", ");
+            ArgumentError::new_err(format!("unknown composite operator '{name}'; use one of: {names}"))
+        })
+    }
 }
 
 /// The reason why a volume has no automatic look: "uniform", "too far apart", or None.
 #[pyfunction]
-pub fn look_refused(range: (f64, f64), has_missing: bool, composite: Option<String>) -> Option<&'static str> {
-    Refusal::of(range, has_missing, composite.as_deref().map(operator)).map(|refusal| match refusal {
+pub fn look_refused(range: (f64, f64), has_missing: bool, composite: Option<PyRayOperator>) -> Option<&'static str> {
+    Refusal::of(range, has_missing, composite.map(|one| one.0)).map(|refusal| match refusal {
         Refusal::Uniform => "uniform",
         Refusal::TooFarApart => "too far apart",
     })
@@ -77,7 +89,7 @@ fn settings(light: LightSettings) -> Vec<(&'static str, f64)> {
 pub fn automatic_look(
     py: Python<'_>,
     subject: PySubject<'_>,
-    composite: Option<String>,
+    composite: Option<PyRayOperator>,
     color: Option<RgbTuple>,
 ) -> PyResult<Chosen> {
     let kind = DataKind::ALL.into_iter().find(|kind| kind.name() == subject.kind).expect("a kind that was found");
@@ -99,7 +111,7 @@ pub fn automatic_look(
         channel: volume_channel(&subject.channel),
     };
     let more = More { is_whole: subject.spread.clone_ref(py), spread: subject.spread };
-    let (composite, color) = (composite.as_deref().map(operator), color.map(Into::into));
+    let (composite, color) = (composite.map(|one| one.0), color.map(Into::into));
     let look = py.detach(|| asked.look(composite, color, &more))?;
     let AutomaticLook { curves, opacity_unit, light, operator, is_on_white, view, is_cut_open, reason } = look;
     let light = light.map(settings);
@@ -117,17 +129,22 @@ pub fn is_block(py: Python<'_>, samples: Grid3<'_>, function: PyRef<'_, PyTransf
 pub fn greys_of_projection(
     py: Python<'_>,
     of: SpreadOver<'_>,
-    composite: String,
+    composite: PyRayOperator,
     is_hounsfield: bool,
 ) -> PyResult<Nodes> {
     let of = spread(&of)?;
-    Ok(nodes(&py.detach(|| CurveNodes::of_projection(&of, operator(&composite), is_hounsfield))))
+    Ok(nodes(&py.detach(|| CurveNodes::of_projection(&of, composite.0, is_hounsfield))))
 }
 
 #[pyfunction]
-pub fn greys_of_pixels(py: Python<'_>, pixels: Values<'_>, composite: String, range: (f64, f64)) -> PyResult<Nodes> {
+pub fn greys_of_pixels(
+    py: Python<'_>,
+    pixels: Values<'_>,
+    composite: PyRayOperator,
+    range: (f64, f64),
+) -> PyResult<Nodes> {
     let pixels = pixels.as_slice()?;
-    Ok(nodes(&py.detach(|| CurveNodes::of_pixels(pixels, operator(&composite), range))))
+    Ok(nodes(&py.detach(|| CurveNodes::of_pixels(pixels, composite.0, range))))
 }
 
 #[pyfunction]

@@ -7,7 +7,7 @@ use wavesplat::look::changes::ColorRow;
 use wavesplat::look::{ChannelLight, MapColors, OverLook, OverValues, is_of_two_signs};
 
 use crate::arguments::PyTransferFunction;
-use crate::automatic::operator;
+use crate::automatic::PyRayOperator;
 use crate::kinds::{Nodes, nodes};
 use crate::look::RgbTuple;
 
@@ -33,14 +33,14 @@ type Opacity = (Vec<(f64, f64)>, Option<f64>);
 #[pyfunction]
 pub fn cleared(
     function: PyRef<'_, PyTransferFunction>,
-    made_for: String,
+    made_for: PyRayOperator,
     has_name: bool,
-    composite: String,
+    composite: PyRayOperator,
     range: (f64, f64),
     longest_side: f64,
 ) -> Option<Opacity> {
-    let look = OverLook { function: &function.0, made_for: operator(&made_for), has_name };
-    let (opacity, unit) = look.cleared(operator(&composite), range, longest_side)?;
+    let look = OverLook { function: &function.0, made_for: made_for.0, has_name };
+    let (opacity, unit) = look.cleared(composite.0, range, longest_side)?;
     Some((opacity.into_iter().map(|node| (node.value, node.opacity)).collect(), unit))
 }
 

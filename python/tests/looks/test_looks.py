@@ -221,6 +221,23 @@ def test_a_volume_of_one_value_has_no_look():
         ws.Look.auto(ws.Volume(np.full((4, 4, 4), 7, np.uint8)))
 
 
+def test_operators_of_looks_are_names_or_synonyms():
+    volume = ws.examples.ripples(16)
+    assert ws.Look.auto(volume, "mip").composite == "maximum"
+    assert ws.Look.auto(volume, "average").transfer_function == ws.Look.auto(volume, "mean").transfer_function
+    function = ws.Look.auto(volume).transfer_function
+    layers = [ws.Layer(volume), ws.Layer(volume, ws.Look(transfer_function=function, composite="mip"))]
+    assert ws.Scene(layers).render(composite="over", size=(8, 8)).size == (8, 8)
+    for made in (
+        lambda: ws.Look.auto(volume, "nope"),
+        lambda: ws.Look.auto(volume, ""),
+        lambda: ws.Look.channel(volume, composite="nope"),
+        lambda: ws.Look(transfer_function=function, composite="nope"),
+    ):
+        with pytest.raises(ws.errors.ArgumentError, match=r"unknown composite operator .*; use one of: over, "):
+            made()
+
+
 @pytest.mark.parametrize(
     ("shape", "anatomical", "view"),
     [

@@ -14,7 +14,7 @@ from wavesplat._looks.curves import colors
 from wavesplat._looks.curves.transfer_function import TransferFunction
 from wavesplat._looks.curves.transfer_function_2d import TransferFunction2D
 from wavesplat._looks.shading import Shading
-from wavesplat._model.arguments.sampling import Composite
+from wavesplat._model.arguments.sampling import Composite, composite_name
 from wavesplat._model.arguments.types import check_text, takes_its_types
 from wavesplat._model.volume.volume_like import VolumeLike, as_volume, volume_or_none
 from wavesplat._public import public
@@ -77,6 +77,7 @@ class Look:
         for name in ("name", "reason"):
             if not isinstance(getattr(self, name), str):
                 raise ArgumentError(f"{name} of the look is {described(getattr(self, name))}; give a text")
+        object.__setattr__(self, "composite", composite_name(self.composite))
         if self.part not in (None, "brain", "cut open"):
             raise ArgumentError(f'part of the look is {described(self.part)}; give "brain", "cut open" or None')
         for name in ("view", "background", "name", "reason"):
@@ -106,7 +107,7 @@ class Look:
         Raises
         ------
         ArgumentError
-            If all samples are equal. If there is no map of that name, or the look is
+            If all samples are equal. If there is no operator or map of that name, or the look is
             not one of a field, such as the look of a CT or of a projection.
         """
         from wavesplat._looks.kinds import automatic
@@ -180,7 +181,7 @@ class Look:
         Raises
         ------
         ArgumentError
-            If the colour or the window is none.
+            If the colour, the window or the operator is none.
 
         Examples
         --------
@@ -191,7 +192,7 @@ class Look:
         """
         from wavesplat._looks.kinds import channels
 
-        return channels.channel_look(as_volume(volume), color, window, composite)
+        return channels.channel_look(as_volume(volume), color, window, composite_name(composite))
 
     @takes_its_types
     def changed(

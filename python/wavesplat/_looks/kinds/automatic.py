@@ -7,7 +7,7 @@ segmentation, and colours of a map that people name, are found here.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 
@@ -23,15 +23,13 @@ from wavesplat._looks.labels import label_names
 from wavesplat._looks.labels.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
+from wavesplat._model.arguments.sampling import Composite, composite_name
 from wavesplat._model.lazy.volume import LazyVolume
 from wavesplat._model.volume.facts import Rgb
 from wavesplat._model.volume.grid import axis_of_distant_slices, axis_of_few_slices, is_thin
 from wavesplat._model.volume.volume import Volume
 from wavesplat._model.volume.wavelet_volume import WaveletVolume
 from wavesplat.errors import ArgumentError
-
-if TYPE_CHECKING:
-    from wavesplat._model.arguments.sampling import Composite
 
 #: Kinds whose look has a map of colours over a scale.
 COLORED: tuple[Kind, ...] = ("field", "signed field")
@@ -46,6 +44,7 @@ def is_block(volume: Volume | WaveletVolume, function: TransferFunction) -> bool
 
 def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color: Rgb | None = None) -> Look:
     """See `Look.auto`; `color` is that of fluorescence, instead of the channel's own."""
+    composite = None if composite is None else composite_name(composite)
     low, high = volume.value_range
     refused = _native.look_refused((low, high), bool(volume.n_nonfinite), composite)
     if refused == "uniform":

@@ -15,9 +15,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, TypeAlias, get_args
+from typing import Any, ClassVar, Literal, TypeAlias
 
-from wavesplat._model.arguments.sampling import COMPOSITE_SYNONYMS, Composite
+from wavesplat._model.arguments.sampling import Composite, composite_name
 from wavesplat._public import public
 from wavesplat._system.values import described, number
 from wavesplat.errors import ArgumentError
@@ -273,7 +273,6 @@ def checked_operator(given: object) -> Operator | None:
         given, FirstHit | LocalMaximum | DepthShadedMaximum | DepthColoredMaximum | AttenuatedMaximum | XRay
     ):
         return given
-    known = get_args(Composite)
     if isinstance(given, type) and getattr(given, "__module__", "") == "wavesplat" and hasattr(given, "name"):
         raise ArgumentError(f"composite is the class {given.__name__}; give an object, as {given.__name__}(...)")
     if not isinstance(given, str):
@@ -281,9 +280,7 @@ def checked_operator(given: object) -> Operator | None:
             f"composite is {described(given)}; give a name or an object of wavesplat: FirstHit, LocalMaximum, "
             "DepthShadedMaximum, DepthColoredMaximum, AttenuatedMaximum or XRay"
         )
-    name: Any = COMPOSITE_SYNONYMS.get(given, given)
-    if name not in known:
-        raise ArgumentError(f"unknown composite operator {described(given)}; use one of: {', '.join(known)}")
+    name = composite_name(given)
     if name == FirstHit.name:
         raise ArgumentError(
             'composite="first-hit" needs the value of the surface; give composite=wavesplat.FirstHit(iso_value)'

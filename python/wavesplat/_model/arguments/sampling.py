@@ -31,6 +31,18 @@ Composite: TypeAlias = Literal[
 ]
 #: Other names of operators.
 COMPOSITE_SYNONYMS = {"mip": "maximum", "minip": "minimum", "average": "mean", "isosurface": "first-hit"}
+
+
+def composite_name(given: object) -> Composite:
+    """The name of an operator, of which synonyms are known; an `ArgumentError` for anything else."""
+    names: tuple[Composite, ...] = get_args(Composite)
+    name = COMPOSITE_SYNONYMS.get(given, given) if isinstance(given, str) else given
+    for known in names:
+        if name == known:
+            return known
+    raise ArgumentError(f"unknown composite operator {described(given)}; use one of: {', '.join(names)}")
+
+
 Quality: TypeAlias = Literal["draft", "normal", "fine", "high"]
 Plane: TypeAlias = Literal["axial", "coronal", "sagittal", "xy", "xz", "yz"]
 Slab: TypeAlias = Literal["maximum", "minimum", "mean"]

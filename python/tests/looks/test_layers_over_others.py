@@ -208,9 +208,10 @@ def test_a_diverging_map_of_values_of_one_sign_is_clear_at_the_lowest():
     assert function([80])[0, 3] > 0.9
 
 
-def test_a_window_of_negative_values_is_refused(layers):
-    with pytest.raises(ArgumentError, match="negative values only; give 10,-10|3,10"):
-        ws.Layer.overlay(layers["signed"], "coolwarm", (-10, -3))
+@pytest.mark.parametrize(("high", "offered"), [(-3, "give -10,10, or 3,10 for"), (0, "give -10,10, or 0,10 for")])
+def test_a_window_without_positive_values_is_refused(layers, high, offered):
+    with pytest.raises(ArgumentError, match=f"the window -10,{high} .* has no positive values; {offered}"):
+        ws.Layer.overlay(layers["signed"], "coolwarm", (-10, high))
 
 
 @pytest.mark.parametrize("look", [("coolwarm", (-10, 10)), ("coolwarm", (3, 10)), ("coolwarm", None), ("signed", None)])

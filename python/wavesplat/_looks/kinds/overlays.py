@@ -94,8 +94,8 @@ def mapped(volume: Volume | WaveletVolume, colormap: str, window: Window = None)
     if made is None:
         low, high = ends
         raise ArgumentError(
-            f"the window {low:g},{high:g} of the diverging map {colormap!r} has negative values only; give "
-            f"{low:g},{-low:g}, or {max(-high, 0.0):g},{-low:g} for what is clear and opaque on both sides of 0"
+            f"the window {low:g},{high:g} of the diverging map {colormap!r} has no positive values; give "
+            f"{low:g},{-low:g}, or {abs(high):g},{-low:g} for what is clear and opaque on both sides of 0"
         )
     nodes, unit = made
     return TransferFunction(*nodes, opacity_unit=unit)

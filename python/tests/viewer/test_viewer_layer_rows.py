@@ -73,6 +73,17 @@ def test_a_gamma_moves_the_colours_of_a_map_and_is_read_again(over, name):
     assert rows(changed(state, 1, auto=True))[1]["is_automatic"]
 
 
+@pytest.mark.parametrize("scale", [1e-9, 1e9])
+def test_a_gamma_is_read_again_whatever_the_unit_of_the_values(scale):
+    tiny = ball(9.0)
+    tiny = ws.Volume(tiny.samples * np.float32(scale))
+    state = changed(ViewerState.of(ws.Scene([ws.Layer(ball(100.0), "grey"), ws.Layer(tiny)])), 1, gamma=0.8)
+    assert (rows(state)[1]["gamma"], rows(state)[1]["kind"]) == (0.8, "map")
+    low, high = rows(state)[1]["window"]
+    state = changed(state, 1, window=[low, low + (high - low) / 2])
+    assert rows(state)[1]["gamma"] == 0.8
+
+
 def test_percentiles_are_those_of_the_samples(over):
     state = changed(over, 1, window=["5%", "99%"])
     samples = over.scene.layers[1].volume.samples

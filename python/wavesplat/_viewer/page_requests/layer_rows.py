@@ -40,8 +40,10 @@ OFFERED = (
 )
 #: Colour maps of slices, which have no other ones.
 OF_SLICES = ("gray", "gray_r", "hot", "viridis", "coolwarm")
-#: Largest relative difference of gammas, and of values, that count as the same.
+#: Largest difference of values that count as the same, as a share of their window, and of opacities and colours.
 SAME = 1e-9
+#: Relative distance of neighbouring values.
+EPSILON = float(np.finfo(float).eps)
 #: Decimals of a gamma that is read from nodes.
 GAMMA_DECIMALS = 6
 
@@ -149,7 +151,8 @@ def _row(look: Look, volume: Any) -> Row:
         automatic = channels.channel_window(volume)[:2]
         color = "#" + "".join(f"{round(255 * share):02x}" for share in light.color)
         gamma = _gamma(light.curve, (light.low, light.high))
-        return Row("channel", color, ends, None, gamma, _are_same(ends, automatic))
+        is_automatic = all(_is_same(*pair, ends[1] - ends[0]) for pair in zip(ends, automatic, strict=True))
+        return Row("channel", color, ends, None, gamma, is_automatic)
     if (found := _map_of(look, volume)) is not None:
         return found
     return Row("look", "", _native.window_of(function.opacity, function.color))
@@ -194,11 +197,13 @@ def _thresholds_of(function: TransferFunction) -> list[float]:
 
 def _gamma_between(plain: Any, function: TransferFunction) -> float | None:
     """The gamma that moves the colours of one function to those of the other; None where none does."""
-    if not isinstance(plain, TransferFunction) or not _are_alike(plain.opacity, function.opacity):
+    if not isinstance(plain, TransferFunction):
         return None
-    if _are_alike(plain.color, function.color):
-        return 1.0
     low, high = plain.color[0][0], plain.color[-1][0]
+    if not _are_alike(plain.opacity, function.opacity, high - low):
+        return None
+    if _are_alike(plain.color, function.color, high - low):
+        return 1.0
     if len(plain.color) != len(function.color) or (low, high) != (function.color[0][0], function.color[-1][0]):
         return None
     k = len(plain.color) // 2
@@ -206,7 +211,7 @@ def _gamma_between(plain: Any, function: TransferFunction) -> float | None:
     if not (0 < before < 1 and 0 < after < 1):
         return None
     gamma = round(log(before) / log(after), GAMMA_DECIMALS)
-    return gamma if _are_alike(_bent(plain, gamma).color, function.color) else None
+    return gamma if _are_alike(_bent(plain, gamma).color, function.color, high - low) else None
 
 
 def _bent(function: TransferFunction, gamma: float) -> TransferFunction:
@@ -227,12 +232,18 @@ def _gamma(curve: TransferFunction, ends: Window) -> float:
     return round(log(share) / log(place), GAMMA_DECIMALS) if 0 < share < 1 else 1.0
 
 
-def _are_alike(one: Any, other: Any) -> bool:
-    return len(one) == len(other) and all(_are_same(a, b) for a, b in zip(one, other, strict=True))
+def _are_alike(one: Any, other: Any, width: float) -> bool:
+    """Whether nodes of two curves, in a window of a width, are the same."""
+
+    def is_same(a: Any, b: Any) -> bool:
+        return _is_same(a[0], b[0], width) and all(map(_is_same, a[1:], b[1:]))
+
+    return len(one) == len(other) and all(map(is_same, one, other))
 
 
-def _are_same(one: Any, other: Any) -> bool:
-    return all(abs(a - b) <= SAME * max(1.0, abs(a), abs(b)) for a, b in zip(one, other, strict=True))
+def _is_same(a: float, b: float, width: float = 1.0) -> bool:
+    """Whether two values are the same, but for rounding."""
+    return abs(a - b) <= max(SAME * width, 4 * EPSILON * max(abs(a), abs(b)))
 
 
 def _look_with(look: Look, volume: Any, wanted: Mapping[str, Any], *, is_alone: bool) -> Look:

@@ -105,6 +105,44 @@ def test_a_projection_of_one_volume_stays_one_with_another_map():
     state = changed(state, 0, colors="viridis")
     assert (state.options["composite"], state.document["layers"][0]["look"]["composite"]) == ("maximum", "maximum")
     assert rows(state)[0]["colors"] == "viridis"
+@pytest.mark.parametrize(("layer", "first", "second"), [(0, "grey", None), (0, "auto", None), (1, "auto", "grey")])
+def test_auto_gives_a_look_its_window_by_the_data_again(layer, first, second):
+    state = ViewerState.of(ws.Scene([ws.Layer(ball(100.0), first), ws.Layer(ball(9.0), second)]))
+    assert rows(state)[layer]["is_automatic"]
+    moved = changed(changed(state, layer, window=[4, 7]), layer, window=[3, 6])
+    assert (rows(moved)[layer]["window"], rows(moved)[layer]["is_automatic"]) == ([3, 6], False)
+    assert changed(moved, layer, auto=True).document == state.document
+    # The slices alone are not the whole.
+    if layer == 0:
+        slices_alone = moved.patched([{"op": "remove", "path": "/view/slices/window"}])
+        assert not rows(slices_alone)[0]["is_automatic"]
+
+
+def test_auto_keeps_the_light_and_the_curves_of_a_look_that_was_changed_by_hand():
+    state = ViewerState.of(ws.Scene([ws.Layer(ball(100.0), "grey")]))
+    path = "/layers/0/look/transfer_function/opacity/0/1"
+    by_hand = state.patched([{"op": "replace", "path": path, "value": 0.25}])
+    back = changed(changed(by_hand, 0, window=[3, 6]), 0, auto=True)
+    opacity, before = (one.document["layers"][0]["look"]["transfer_function"]["opacity"] for one in (back, by_hand))
+    assert np.allclose(opacity, before)
+    assert rows(back)[0]["is_automatic"]
+
+
+def test_a_table_has_the_window_of_slices_and_takes_a_colour_map():
+    table = ws.TransferFunction2D([0, 50], [0, 1], np.full((2, 2, 4), 0.1))
+    state = ViewerState.of(ws.Scene([ws.Layer(ball(100.0), table), ws.Layer(ball(9.0), table)]))
+    moved = changed(state, 0, window=[20, 60])
+    assert rows(moved)[0]["window"] == [20, 60]
+    assert moved.document["layers"] == state.document["layers"]
+    assert rows(changed(moved, 0, auto=True))[0] == rows(state)[0]
+    for layer, wanted in [(0, {"gamma": 2}), (0, {"threshold": 3}), (1, {"window": [1, 2]}), (1, {"auto": True})]:
+        with pytest.raises(ArgumentError, match="a table or of labels"):
+            changed(state, layer, **wanted)
+    hot = changed(state, 0, colors="hot")
+    assert (rows(hot)[0]["kind"], rows(hot)[0]["colors"]) == ("map", "hot")
+    assert rows(changed(state, 1, colors="hot"))[1]["colors"] == "hot"
+
+
 
 
 def test_channels_have_the_colours_of_their_dyes_and_settings_of_their_own():

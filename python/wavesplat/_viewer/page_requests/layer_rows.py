@@ -23,6 +23,9 @@ from wavesplat._looks.curves.value_scale import values_of
 from wavesplat._looks.kinds import channels, histogram, overlays
 from wavesplat._looks.kinds.channel_light import light_of
 from wavesplat._looks.look import Look
+from wavesplat._render.arguments import chosen_look
+from wavesplat._scene.drawing.looks_of_layers import look_over_others
+from wavesplat._scene.drawing.volumes_of_layers import identity_of
 from wavesplat._system.threads import collected_notes
 from wavesplat._system.values import described, positive
 from wavesplat._viewer.session.state import ViewerState
@@ -44,7 +47,7 @@ OF_SLICES = ("gray", "gray_r", "hot", "viridis", "coolwarm")
 SAME = 1e-9
 #: Relative distance of neighbouring values.
 EPSILON = float(np.finfo(float).eps)
-#: Decimals of a gamma that is read from nodes.
+#: Decimals of a gamma that is set, as of one that is read from nodes.
 GAMMA_DECIMALS = 6
 
 
@@ -79,12 +82,16 @@ class Row:
 def row_of(state: ViewerState, number: int) -> Row:
     """The row of a layer, as its look and the slices are now."""
     layer = state.scene.layers[number]
-    row = _row(layer.look, layer.looked_at) if isinstance(layer.look, Look) else Row("table")
+    row = Row("table")
+    if isinstance(layer.look, Look):
+        row = _row(layer.look, layer.looked_at)
+    if row.kind == "look":
+        row = replace(row, is_automatic=_has_window_by_data(state, number, row))
     if not _is_on_window(state, number):
         return row
     level, width = window_of(state)
-    is_automatic = "window" not in state.view["slices"]
-    return Row(row.kind, row.colors, (level - width / 2, level + width / 2), row.threshold, row.gamma, is_automatic)
+    is_automatic = "window" not in state.view["slices"] and (row.kind == "table" or row.is_automatic)
+    return replace(row, window=(level - width / 2, level + width / 2), is_automatic=is_automatic)
 
 
 def changes(state: ViewerState, number: int, wanted: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -108,7 +115,7 @@ def changes(state: ViewerState, number: int, wanted: Mapping[str, Any]) -> list[
         ends: Any = [end if given is None else given for given, end in zip(window, now, strict=True)]
         with collected_notes():
             wanted["window"] = values_of(ends, volume)
-    look = _look_with(layer.look, volume, wanted, is_alone=len(state.scene.layers) == 1)
+    look = _look_with(state, number, layer.look, wanted)
     operations = []
     if look is not layer.look:
         fields = json.loads(json.dumps(look_files.fields_of(look)))
@@ -155,7 +162,7 @@ def _row(look: Look, volume: Any) -> Row:
         return Row("channel", color, ends, None, gamma, is_automatic)
     if (found := _map_of(look, volume)) is not None:
         return found
-    return Row("look", "", _native.window_of(function.opacity, function.color))
+    return Row("look", "", _window_of(look))
 
 
 def _map_of(look: Look, volume: Any) -> Row | None:
@@ -246,15 +253,19 @@ def _is_same(a: float, b: float, width: float = 1.0) -> bool:
     return abs(a - b) <= max(SAME * width, 4 * EPSILON * max(abs(a), abs(b)))
 
 
-def _look_with(look: Look, volume: Any, wanted: Mapping[str, Any], *, is_alone: bool) -> Look:
-    """The look with the wanted fields of its row set."""
+def _look_with(state: ViewerState, number: int, look: Look, wanted: Mapping[str, Any]) -> Look:
+    """The look of a layer with the wanted fields of its row set."""
+    volume = state.scene.layers[number].looked_at
     row = _row(look, volume)
     if wanted.get("auto"):
-        return _automatic(look, row, volume)
+        return _automatic(state, number, look, row)
+    if row.kind == "table" and "colors" not in wanted:
+        # Slices have a window, whatever the look.
+        if _is_on_window(state, number) and wanted.keys() <= {"auto", "window"}:
+            return look
+        raise ArgumentError("the look is a table or of labels, which has no such setting; choose a colour map first")
     colors, window = wanted.get("colors", row.colors), wanted.get("window")
     gamma = wanted.get("gamma", row.gamma)
-    if row.kind == "table":
-        raise ArgumentError("the look is a table or of labels, which has no window; choose another look first")
     if row.kind != "map" and wanted.get("threshold") is not None and colors == row.colors:
         if row.kind == "channel":
             raise ArgumentError("what is below the window of a channel is hidden; set the window")
@@ -271,7 +282,7 @@ def _look_with(look: Look, volume: Any, wanted: Mapping[str, Any], *, is_alone: 
     kept = window or (None if row.is_automatic or row.kind == "look" else row.window)
     with collected_notes():
         made = overlays.overlay(volume, colors, kept, wanted.get("threshold", row.threshold))
-    if is_alone and look.composite in histogram.PROJECTIONS:
+    if len(state.scene.layers) == 1 and look.composite in histogram.PROJECTIONS:
         made = replace(made, composite=look.composite, background=look.background)
     return _with_gamma(made, gamma)
 
@@ -295,15 +306,59 @@ def _plain_channel(look: Look, volume: Any) -> Look:
     return replace(look, transfer_function=made.transfer_function, name="channel")
 
 
-def _automatic(look: Look, row: Row, volume: Any) -> Look:
+def _automatic(state: ViewerState, number: int, look: Look, row: Row) -> Look:
     """The look with the window that the data suggest, without gamma and threshold."""
     if row.kind == "channel":
+    volume = state.scene.layers[number].looked_at
         window = channels.channel_window(volume)[:2]
         return _plain_channel(look, volume).changed(window=window)
     if row.kind == "map":
         with collected_notes():
             return overlays.overlay(volume, row.colors, None)
-    return look
+    made = _look_by_data(state, number)
+    function, ends = made.transfer_function, _window_of(made)
+    if ends is None or row.window is None:
+        raise ArgumentError("the data suggest no window for this look; choose a colour map or another look")
+    moved = look.changed(window=ends)
+    nodes, width = moved.transfer_function, ends[1] - ends[0]
+    assert isinstance(nodes, TransferFunction)
+    assert isinstance(function, TransferFunction)
+    is_same = _are_alike(nodes.opacity, function.opacity, width) and _are_alike(nodes.color, function.color, width)
+    return replace(look, transfer_function=function, name=made.name, reason=made.reason) if is_same else moved
+
+
+def _window_of(look: Look) -> Window | None:
+    """The values of the first and the last node of a look; None of one without nodes, or with all of them at one."""
+    function = look.transfer_function
+    return _native.window_of(function.opacity, function.color) if isinstance(function, TransferFunction) else None
+
+
+def _has_window_by_data(state: ViewerState, number: int, row: Row) -> bool:
+    """Whether the look of a layer has the window that the data suggest for it."""
+    try:
+        ends = _window_of(_look_by_data(state, number))
+    except WavesplatError:
+        return False
+    if ends is None or row.window is None:
+        return False
+    return all(_is_same(*pair, ends[1] - ends[0]) for pair in zip(ends, row.window, strict=True))
+
+
+def _look_by_data(state: ViewerState, number: int) -> Look:
+    """The preset that the look of a layer is named after, made for its data; the automatic look without such a name."""
+    layer, composite = state.scene.layers[number], state.options["composite"]
+    assert isinstance(layer.look, Look)
+    is_preset = presets.plain(layer.look.name) in {presets.plain(one) for one in presets.names()}
+    name = layer.look.name if is_preset else "auto"
+
+    def made() -> Look:
+        with collected_notes():
+            find = look_over_others if number else chosen_look
+            return find(name, layer.looked_at, composite)
+
+    key: Any = id(layer.looked_at), "look by data", name, composite, number == 0
+    found: Look = state.scene._cache.get_or_compute(key, identity_of(layer.looked_at), made)
+    return found
 
 
 # Looks of maps by their settings, for links and commands.
@@ -314,7 +369,7 @@ def map_fields(layer: Any) -> dict[str, Any] | None:
     look, volume = layer.look, layer.looked_at
     is_plain = isinstance(look, Look) and look.name != "auto" and isinstance(look.transfer_function, TransferFunction)
     row = _map_of(look, volume) if is_plain else None
-    if row is None:
+    if row is None or not CHECKS["gamma"](row.gamma):
         return None
     fields: dict[str, Any] = {"map": row.colors}
     fields |= {} if row.is_automatic or row.window is None else {"window": list(row.window)}
@@ -334,8 +389,7 @@ def look_of_map(fields: Mapping[str, Any], volume: Any) -> Look:
     given = {"colors" if name == "map" else name: value for name, value in fields.items()}
     wanted = _checked(given, "look")
     with collected_notes():
-        window = wanted.get("window")
-        made = overlays.overlay(volume, wanted.get("colors", ""), window, wanted.get("threshold"))
+        made = overlays.overlay(volume, wanted["map"], wanted.get("window"), wanted.get("threshold"))
     return _with_gamma(made, wanted.get("gamma", 1.0))
 
 
@@ -386,3 +440,4 @@ NEEDED = {
     "gamma": "give a positive number",
     "auto": "give true or false",
 }
+    "map": "give the name of a colour map, or a colour",

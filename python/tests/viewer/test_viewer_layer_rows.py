@@ -7,7 +7,7 @@ import pytest
 
 import wavesplat as ws
 from wavesplat._looks import look_files
-from wavesplat._viewer.page_requests import questions
+from wavesplat._viewer.page_requests import layer_rows, questions
 from wavesplat._viewer.session.state import ViewerState
 from wavesplat.errors import ArgumentError
 
@@ -84,6 +84,12 @@ def test_a_gamma_is_read_again_whatever_the_unit_of_the_values(scale):
     assert rows(state)[1]["gamma"] == 0.8
 
 
+@pytest.mark.parametrize("gamma", [1 / 3, 0.05, 20])
+def test_every_gamma_that_is_taken_is_read_again(over, gamma):
+    row = rows(changed(over, 1, gamma=gamma))[1]
+    assert (row["kind"], row["colors"], row["gamma"]) == ("map", "hot", pytest.approx(gamma, abs=1e-6))
+
+
 def test_percentiles_are_those_of_the_samples(over):
     state = changed(over, 1, window=["5%", "99%"])
     samples = over.scene.layers[1].volume.samples
@@ -99,12 +105,6 @@ def test_the_window_of_the_first_layer_is_that_of_slices_too(over):
     assert rows(back)[0] == rows(over)[0]
 
 
-def test_a_projection_of_one_volume_stays_one_with_another_map():
-    state = ViewerState.of(ws.Scene([ws.Layer(ball(9.0, anatomical=True), "pet")]))
-    assert state.options["composite"] == "maximum"
-    state = changed(state, 0, colors="viridis")
-    assert (state.options["composite"], state.document["layers"][0]["look"]["composite"]) == ("maximum", "maximum")
-    assert rows(state)[0]["colors"] == "viridis"
 @pytest.mark.parametrize(("layer", "first", "second"), [(0, "grey", None), (0, "auto", None), (1, "auto", "grey")])
 def test_auto_gives_a_look_its_window_by_the_data_again(layer, first, second):
     state = ViewerState.of(ws.Scene([ws.Layer(ball(100.0), first), ws.Layer(ball(9.0), second)]))
@@ -143,6 +143,12 @@ def test_a_table_has_the_window_of_slices_and_takes_a_colour_map():
     assert rows(changed(state, 1, colors="hot"))[1]["colors"] == "hot"
 
 
+def test_a_projection_of_one_volume_stays_one_with_another_map():
+    state = ViewerState.of(ws.Scene([ws.Layer(ball(9.0, anatomical=True), "pet")]))
+    assert state.options["composite"] == "maximum"
+    state = changed(state, 0, colors="viridis")
+    assert (state.options["composite"], state.document["layers"][0]["look"]["composite"]) == ("maximum", "maximum")
+    assert rows(state)[0]["colors"] == "viridis"
 
 
 def test_channels_have_the_colours_of_their_dyes_and_settings_of_their_own():
@@ -169,8 +175,33 @@ def test_channels_have_the_colours_of_their_dyes_and_settings_of_their_own():
     [
         {"colors": "no-such-map"}, {"window": [8, 2]}, {"window": [1]}, {"window": ["a", 2]}, {"gamma": 0},
         {"gamma": "1"}, {"threshold": "2"}, {"auto": 1}, {"blend": "over"}, {"colors": ""},
+        {"map": "hot"}, {"auto": True, "gamma": 2}, {"gamma": 0.01}, {"gamma": 21},
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused(over, wanted):
     with pytest.raises(ArgumentError):
         changed(over, 1, **wanted)
+
+
+@pytest.mark.parametrize(
+    ("given", "field"),
+    [
+        ({"gamma": 2, "colors": "viridis"}, "colors"), ({"gamma": 2, "auto": True}, "auto"), ({"gamma": "2"}, "gamma"),
+        ({"gamma": 2, "map": 5}, "map"),
+    ],
+)  # fmt: skip
+def test_a_link_with_another_field_of_a_look_of_a_map_is_refused_by_its_name(over, given, field):
+    document = json.loads(json.dumps(over.document))
+    document["layers"][1]["look"] = {"map": "hot", **given}
+    with pytest.raises(ArgumentError, match=f"look: {field} is "):
+        questions.state_from_text(over, json.dumps(document))
+
+
+@pytest.mark.parametrize("name", [*layer_rows.OF_SLICES, *layer_rows.OFFERED])
+def test_slices_have_the_colour_maps_that_documents_of_them_may_name(over, name):
+    operation = {"op": "add", "path": "/view/slices/colors", "value": name}
+    if name in layer_rows.OF_SLICES:
+        assert over.patched([operation]).view["slices"]["colors"] == name
+    else:
+        with pytest.raises(ArgumentError, match=", ".join(layer_rows.OF_SLICES)):
+            over.patched([operation])

@@ -9,7 +9,7 @@ channel, over a window of their own, which its row sets too.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import log
 from typing import Any, Literal, TypeAlias
@@ -27,7 +27,7 @@ from wavesplat._render.arguments import chosen_look
 from wavesplat._scene.drawing.looks_of_layers import look_over_others
 from wavesplat._scene.drawing.volumes_of_layers import identity_of
 from wavesplat._system.threads import collected_notes
-from wavesplat._system.values import described, positive
+from wavesplat._system.values import described
 from wavesplat._viewer.session.state import ViewerState
 from wavesplat._viewer.slices.first_slices import has_channels
 from wavesplat._viewer.slices.slice_view import window_of
@@ -49,6 +49,8 @@ SAME = 1e-9
 EPSILON = float(np.finfo(float).eps)
 #: Decimals of a gamma that is set, as of one that is read from nodes.
 GAMMA_DECIMALS = 6
+#: Least and largest gamma that is set: beyond, nodes come so close to an end of the window that it cannot be read.
+GAMMAS = (0.05, 20.0)
 
 
 @dataclass(frozen=True)
@@ -98,7 +100,7 @@ def changes(state: ViewerState, number: int, wanted: Mapping[str, Any]) -> list[
     """Changes of the state (JSON Patch) that set fields of a layer's row.
 
     wanted : `colors`, `window` of numbers, percentiles or None, which leaves an end as it is, `threshold` or None,
-    `gamma`; or `auto`, the window and gamma that the data suggest.
+    `gamma`; or `auto` alone, the window that the data suggest, without threshold and gamma.
 
     Raises
     ------
@@ -257,13 +259,13 @@ def _look_with(state: ViewerState, number: int, look: Look, wanted: Mapping[str,
     """The look of a layer with the wanted fields of its row set."""
     volume = state.scene.layers[number].looked_at
     row = _row(look, volume)
-    if wanted.get("auto"):
-        return _automatic(state, number, look, row)
     if row.kind == "table" and "colors" not in wanted:
         # Slices have a window, whatever the look.
         if _is_on_window(state, number) and wanted.keys() <= {"auto", "window"}:
             return look
         raise ArgumentError("the look is a table or of labels, which has no such setting; choose a colour map first")
+    if wanted.get("auto"):
+        return _automatic(state, number, look, row)
     colors, window = wanted.get("colors", row.colors), wanted.get("window")
     gamma = wanted.get("gamma", row.gamma)
     if row.kind != "map" and wanted.get("threshold") is not None and colors == row.colors:
@@ -294,7 +296,6 @@ def _with_gamma(look: Look, gamma: float) -> Look:
         return look
     if light_of(look) is not None:
         return look.changed(gamma=gamma)
-    positive(gamma, "gamma", "a positive number, 1 changes nothing")
     return replace(look, transfer_function=_bent(function, gamma))
 
 
@@ -308,8 +309,8 @@ def _plain_channel(look: Look, volume: Any) -> Look:
 
 def _automatic(state: ViewerState, number: int, look: Look, row: Row) -> Look:
     """The look with the window that the data suggest, without gamma and threshold."""
-    if row.kind == "channel":
     volume = state.scene.layers[number].looked_at
+    if row.kind == "channel":
         window = channels.channel_window(volume)[:2]
         return _plain_channel(look, volume).changed(window=window)
     if row.kind == "map":
@@ -379,15 +380,14 @@ def map_fields(layer: Any) -> dict[str, Any] | None:
 
 
 def look_of_map(fields: Mapping[str, Any], volume: Any) -> Look:
-    """The look of `map_fields`.
+    """The look of `map_fields`, of which `map` must be there.
 
     Raises
     ------
     ArgumentError
         If a field cannot be.
     """
-    given = {"colors" if name == "map" else name: value for name, value in fields.items()}
-    wanted = _checked(given, "look")
+    wanted = _checked(fields, "look", OF_MAPS)
     with collected_notes():
         made = overlays.overlay(volume, wanted["map"], wanted.get("window"), wanted.get("threshold"))
     return _with_gamma(made, wanted.get("gamma", 1.0))
@@ -404,11 +404,14 @@ def rows(state: ViewerState) -> dict[str, Any]:
 def answer_change(state: ViewerState, number: int, arguments: Mapping[str, Any]) -> dict[str, Any]:
     """The changes for a row, whose fields are checked."""
     given = {name: value for name, value in arguments.items() if name != "layer"}
-    return {"operations": changes(state, number, _checked(given, "layer_change"))}
+    wanted = _checked(given, "layer_change", SETTINGS)
+    if wanted.get("auto") and len(wanted) > 1:
+        raise ArgumentError("layer_change: auto is true; give it alone, since it sets window, threshold and gamma")
+    return {"operations": changes(state, number, wanted)}
 
 
-def _checked(given: Mapping[str, Any], what: str) -> dict[str, Any]:
-    """Fields of a row, each of which can be.
+def _checked(given: Mapping[str, Any], what: str, names: Iterable[str]) -> dict[str, Any]:
+    """Fields of a row, each of which can be, and gamma in decimals that are read again.
 
     Raises
     ------
@@ -416,28 +419,36 @@ def _checked(given: Mapping[str, Any], what: str) -> dict[str, Any]:
         If one cannot.
     """
     for name, value in given.items():
-        if name not in CHECKS or not CHECKS[name](value):
-            needed = NEEDED.get(name, "there is no such field")
+        if name not in names or not CHECKS[name](value):
+            needed = NEEDED[name] if name in names else f"there is no such field, only {', '.join(names)}"
             raise ArgumentError(f"{what}: {name} is {described(value)}; {needed}")
-    return dict(given)
+    return {name: round(value, GAMMA_DECIMALS) if name == "gamma" else value for name, value in given.items()}
+
+
+def _is_name(value: Any) -> bool:
+    return isinstance(value, str) and 0 < len(value) <= 100
 
 
 def _is_end(value: Any) -> bool:
     return value is None or _native.is_number(value) or (isinstance(value, str) and len(value) <= 32)
 
 
+#: Fields of a row that a page sets, and those of a link's look of a map.
+SETTINGS = ("colors", "window", "threshold", "gamma", "auto")
+OF_MAPS = ("map", "window", "threshold", "gamma")
 CHECKS: dict[str, Callable[[Any], bool]] = {
-    "colors": lambda value: isinstance(value, str) and 0 < len(value) <= 100,
+    "colors": _is_name,
+    "map": _is_name,
     "window": lambda value: isinstance(value, list) and len(value) == 2 and all(map(_is_end, value)),
     "threshold": lambda value: value is None or _native.is_number(value),
-    "gamma": _native.is_number,
+    "gamma": lambda value: _native.is_number(value) and GAMMAS[0] <= value <= GAMMAS[1],
     "auto": lambda value: isinstance(value, bool),
 }
 NEEDED = {
     "colors": "give the name of a colour map, or a colour",
+    "map": "give the name of a colour map, or a colour",
     "window": 'give two numbers, or percentiles such as "1%"; null leaves an end as it is',
     "threshold": "give a number, or null",
-    "gamma": "give a positive number",
+    "gamma": f"give {GAMMAS[0]:g} to {GAMMAS[1]:g}; 1 changes nothing",
     "auto": "give true or false",
 }
-    "map": "give the name of a colour map, or a colour",

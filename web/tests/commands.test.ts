@@ -58,7 +58,9 @@ test.each([
 
 test.each([
   ["go to 12, 40, -30", "Go to 12, 40, -30", [12, 40, -30]],
+  ["go to .5, -.25, +2e1", "Go to 0.5, -0.25, 20", [0.5, -0.25, 20]],
   ["window 40 400", "Level 40, width 400", [40, 400]],
+  ["window 1e3 2E-3", "Level 1000, width 0.002", [1000, 0.002]],
   ["slice 56", "Axial: slice 56 of 112", [1, 2, 165]],
 ])("%j is a command that Enter does", (text, name, value) => {
   changes.length = 0;
@@ -66,6 +68,10 @@ test.each([
   expect(command?.text).toBe(name);
   command?.run();
   expect(changes).toEqual([[expect.objectContaining({ value })]]);
+});
+
+test.each(["go to 1, 2", "window 1 2 3", "window 1 1e999"])("%j, with other numbers, is no command", (text) => {
+  expect(found(commandsOf(PART, text), text).map(({ text: name }) => name)).toEqual([]);
 });
 
 test("a slice that is not there is no command", () => {

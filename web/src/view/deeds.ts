@@ -77,14 +77,15 @@ export function deedsOf(part: PartProps): Command[] {
 /** The command that a text with numbers is; none for other texts. */
 export function typedCommand(part: PartProps, text: string): Command[] {
   const { store, ui } = part;
-  const numbers = (text.match(/-?\d+(\.\d+)?/g) ?? []).map(Number);
+  const numbers = (text.match(/[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?/gi) ?? []).map(Number);
+  if (!numbers.every(Number.isFinite)) return [];
   const command = (name: string, run: () => void): Command[] => [{ text: name, hint: TEXT.typed, run }];
   if (/^\s*go\s?to\b/i.test(text) && numbers.length === 3) {
     const point = numbers as unknown as Vec3;
     return command(TEXT.goToPoint(numbers.join(", ")), () => store.change(crosshairAt(store.state, point)));
   }
   const [first, second] = numbers;
-  if (/^\s*(window|w\/?l|wl)\b/i.test(text) && first !== undefined && second !== undefined && second > 0) {
+  if (/^\s*(window|w\/?l|wl)\b/i.test(text) && numbers.length === 2 && first !== undefined && second !== undefined && second > 0) {
     return command(TEXT.windowOf(first, second), () => store.change([set([first, second], "view", "slices", "window")]));
   }
   if (/^\s*slice\b/i.test(text) && numbers.length === 1 && first !== undefined) {

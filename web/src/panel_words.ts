@@ -164,6 +164,8 @@ export const PANEL_WORDS = {
     below: "Hide below",
     field: (what: string, name: string) => `${what}, ${name}`,
     percent: "A value, or a percentile such as 1%",
+    noValue: (label: string, text: string, isOptional: boolean) =>
+      `${label}: “${text}” is no value; type a number${isOptional ? ", or nothing" : ", or a percentile such as 1%"}`,
     colors: "Colours",
     ownColor: "Colour",
     gamma: "Gamma",

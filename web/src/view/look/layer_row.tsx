@@ -16,6 +16,7 @@ import type { Range } from "./curves.ts";
 import { isSolo, soloLayer } from "./layers.ts";
 import { titleOf } from "./preset_kinds.ts";
 import { Ramp } from "./ramp.tsx";
+import { changeRow, typedValue, type ChangeQueue } from "./row_changes.ts";
 
 const TEXT = PANEL_WORDS.layersPanel;
 const BINS = 96;
@@ -45,36 +46,10 @@ export function useRows({ engine, store, ui, welcome }: PartProps): Rows | null 
   return rows !== null && rows.rows.length === layers.length ? rows : null;
 }
 
-/** A change that waits for its turn, of a gesture or alone; null: the gesture before has ended. */
-type Wish = { readonly wanted: LayerChange; readonly gesture: string | undefined } | null;
-
-/** Sets fields of a row, one question after the other; of a gesture the newest wish is the only one that waits. */
-function useChange({ engine, store, ui }: PartProps, layer: number): (wanted: LayerChange | null, gesture?: string) => void {
-  const state = useRef<{ waiting: Wish[]; isBusy: boolean }>({ waiting: [], isBusy: false });
-  return (wanted, gesture) => {
-    const now = state.current;
-    const last = now.waiting.at(-1);
-    if (gesture !== undefined && last?.gesture === gesture) now.waiting.pop();
-    now.waiting.push(wanted === null ? null : { wanted, gesture });
-    if (now.isBusy) return;
-    now.isBusy = true;
-    const work = async (): Promise<void> => {
-      for (let wish = now.waiting.shift(); wish !== undefined; wish = now.waiting.shift()) {
-        if (wish === null) {
-          store.settle();
-          continue;
-        }
-        try {
-          const { operations } = await engine.ask("layer_change", { layer, ...wish.wanted });
-          if (operations.length > 0) store.change(operations, wish.gesture);
-        } catch (problem) {
-          ui.problem(problem as Problem);
-        }
-      }
-      now.isBusy = false;
-    };
-    void work();
-  };
+/** The function that sets fields of a row. */
+function useChange(part: PartProps, layer: number): (wanted: LayerChange | null, gesture?: string) => void {
+  const queue = useRef<ChangeQueue>({ waiting: [], isBusy: false });
+  return (wanted, gesture) => void changeRow(part, layer, queue.current, wanted, gesture);
 }
 
 interface RowProps extends PartProps {
@@ -135,10 +110,10 @@ export function LayerListRow(props: RowProps) {
       )}
       {row?.window && (
         <div class="row look-ends">
-          <ValueField label={TEXT.from} name={layer.name} value={row.window[0]} onValue={(low) => change({ window: [low, null] })} />
-          <ValueField label={TEXT.to} name={layer.name} value={row.window[1]} onValue={(high) => change({ window: [null, high] })} />
+          <ValueField ui={ui} label={TEXT.from} name={layer.name} value={row.window[0]} onValue={(low) => change({ window: [low, null] })} />
+          <ValueField ui={ui} label={TEXT.to} name={layer.name} value={row.window[1]} onValue={(high) => change({ window: [null, high] })} />
           {row.kind !== "channel" && (row.kind === "map" || index > 0) && (
-            <ValueField label={TEXT.below} name={layer.name} value={row.threshold} isOptional onValue={(threshold) => change({ threshold: threshold as number | null })} />
+            <ValueField ui={ui} label={TEXT.below} name={layer.name} value={row.threshold} isOptional onValue={(threshold) => change({ threshold: threshold as number | null })} />
           )}
           <Colors {...props} row={row} maps={rows?.maps ?? []} hasColor={isChannels || index > 0 || row.kind === "channel"} change={change} />
         </div>
@@ -228,6 +203,7 @@ function SmallSlider({ label, name, value, min, max, onInput, onSettle }: SmallS
 }
 
 interface ValueFieldProps {
+  readonly ui: PartProps["ui"];
   readonly label: string;
   readonly name: string;
   readonly value: number | null;
@@ -237,7 +213,7 @@ interface ValueFieldProps {
 }
 
 /** A value that is typed, or a percentile. */
-function ValueField({ label, name, value, isOptional = false, onValue }: ValueFieldProps) {
+function ValueField({ ui, label, name, value, isOptional = false, onValue }: ValueFieldProps) {
   // The text stays as typed until the field is left, whatever is drawn meanwhile.
   const [typed, setTyped] = useState<string | null>(null);
   const shown = value === null ? "" : numberText(Number(value.toPrecision(5)));
@@ -254,11 +230,11 @@ function ValueField({ label, name, value, isOptional = false, onValue }: ValueFi
         onInput={(event) => setTyped(event.currentTarget.value)}
         onChange={(event) => {
           setTyped(null);
-          const text = event.currentTarget.value.trim();
-          const isPercent = !isOptional && /^\d+(\.\d+)?\s*%$/.test(text);
-          if (text === "" && isOptional) onValue(null);
-          else if (isPercent) onValue(text);
-          else if (text !== "" && Number.isFinite(Number(text))) onValue(Number(text));
+          try {
+            onValue(typedValue(event.currentTarget.value, label, isOptional));
+          } catch (error) {
+            ui.problem({ code: "value", message: (error as Error).message });
+          }
         }}
         onBlur={() => setTyped(null)}
         onKeyDown={(event) => event.key === "Enter" && event.currentTarget.blur()}

@@ -170,6 +170,20 @@ def test_channels_have_the_colours_of_their_dyes_and_settings_of_their_own():
     assert rows(changed(state, 1, auto=True))[1] == found[1]
 
 
+@pytest.mark.parametrize(("look", "gammas"), [("grey", []), (ws.Look.channel(ball(100.0), "green"), [0.5, 0.4])])
+def test_the_description_of_a_look_names_the_last_window_and_gamma_of_a_slider_alone(look, gammas):
+    state = ViewerState.of(ws.Scene([ws.Layer(ball(100.0), look)]))
+    plain = state.document["layers"][0]["look"]["description"]
+    for gamma in gammas:
+        state = changed(state, 0, gamma=gamma)
+    for window in ([3, 60], [4, 60]):
+        state = changed(state, 0, window=window)
+    description = state.document["layers"][0]["look"]["description"]
+    assert description.startswith(plain)
+    assert (description.count("window"), description.count("gamma")) == (1, len(gammas[:1]))
+    assert "window 4 to 60" in description
+
+
 @pytest.mark.parametrize(
     "wanted",
     [

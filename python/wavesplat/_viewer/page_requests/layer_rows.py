@@ -275,11 +275,8 @@ def _look_with(state: ViewerState, number: int, look: Look, wanted: Mapping[str,
         window = window or row.window
     if row.kind != "map" and colors == row.colors:
         if window is not None and row.window is not None:
-            look = look.changed(window=window)
-        if gamma == row.gamma:
-            return look
-        # Of a channel from the beginning, since each change of gamma divides the nodes.
-        return (_plain_channel(look, volume) if row.kind == "channel" else look).changed(gamma=gamma)
+            look = _without_notes(look, "window").changed(window=window)
+        return look if gamma == row.gamma else _unbent(look, row, volume).changed(gamma=gamma)
     # The window of a look that is no map means something else, such as values of bone.
     kept = window or (None if row.is_automatic or row.kind == "look" else row.window)
     with collected_notes():
@@ -299,6 +296,17 @@ def _with_gamma(look: Look, gamma: float) -> Look:
     return replace(look, transfer_function=_bent(function, gamma))
 
 
+def _unbent(look: Look, row: Row, volume: Any) -> Look:
+    """The look of a channel without its gamma, since each change of gamma divides the nodes; any other one as it is."""
+    return _plain_channel(_without_notes(look, "gamma"), volume) if row.kind == "channel" else look
+
+
+def _without_notes(look: Look, *settings: str) -> Look:
+    """The look without what its reason says of settings that are set anew: a slider sets them many times."""
+    kept = (part for part in look.reason.split("; ") if part.partition(" ")[0] not in settings)
+    return replace(look, reason="; ".join(kept))
+
+
 def _plain_channel(look: Look, volume: Any) -> Look:
     """The look of a channel without its gamma."""
     light = light_of(look)
@@ -312,7 +320,7 @@ def _automatic(state: ViewerState, number: int, look: Look, row: Row) -> Look:
     volume = state.scene.layers[number].looked_at
     if row.kind == "channel":
         window = channels.channel_window(volume)[:2]
-        return _plain_channel(look, volume).changed(window=window)
+        return _without_notes(_plain_channel(look, volume), "window", "gamma").changed(window=window)
     if row.kind == "map":
         with collected_notes():
             return overlays.overlay(volume, row.colors, None)
@@ -320,7 +328,7 @@ def _automatic(state: ViewerState, number: int, look: Look, row: Row) -> Look:
     function, ends = made.transfer_function, _window_of(made)
     if ends is None or row.window is None:
         raise ArgumentError("the data suggest no window for this look; choose a colour map or another look")
-    moved = look.changed(window=ends)
+    moved = _without_notes(look, "window").changed(window=ends)
     nodes, width = moved.transfer_function, ends[1] - ends[0]
     assert isinstance(nodes, TransferFunction)
     assert isinstance(function, TransferFunction)

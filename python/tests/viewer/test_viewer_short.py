@@ -81,6 +81,24 @@ def test_ct_and_pet_have_a_short_link_that_gives_the_state_again(scans):
     assert back.document == state.document
 
 
+@pytest.mark.parametrize(("background", "threshold"), [("black", None), ("white", 3.0)])
+def test_looks_of_the_command_line_are_short_in_links_and_commands(scans, background, threshold):
+    scan, over = ws.open("ct.nrrd"), ws.Layer.overlay(ws.open("pet.nrrd"), "hot", (2, 8), threshold=threshold)
+    # As `wavesplat view` makes it: the background of the scene is given.
+    state = ViewerState.of(ws.Scene([ws.Layer(scan, "auto"), over], background=background))
+    assert {layer["look"]["background"] for layer in state.document["layers"]} == {background}
+    text = link_of(state)
+    assert len(zlib.compress(text.encode())) * 4 / 3 < 4000
+    back = questions.state_from_text(state, json.dumps(json.loads(text)["state"]))
+    assert back.document == state.document
+    command, movie = (code.command_of(state, SIZE), code.movie_command_of(state, SIZE))
+    assert max(len(one.replace(f"{scans}/", "")) for one in (command, movie)) < 500
+    text = command.replace("wavesplat ", f"{shlex.quote(sys.executable)} -m wavesplat ", 1)
+    assert subprocess.run(["sh", "-c", text], cwd=scans, capture_output=True, check=False).returncode == 0
+    drawn = np.asarray(Image.open(scans / "CT.png").convert("RGBA"))
+    assert np.array_equal(drawn, np.asarray(picture_of(state, "3d", SIZE)))
+
+
 def test_a_threshold_is_short_in_commands_and_a_gamma_in_links(scans):
     def changed(state, **wanted):
         told = questions.answer_of(state, "layer_change", {"layer": 1, **wanted})[0]

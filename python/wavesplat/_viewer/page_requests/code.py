@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+from dataclasses import replace
 from typing import Any, Literal, TypeAlias
 
 from wavesplat._looks import look_files, presets
@@ -49,8 +50,8 @@ def short_document(state: ViewerState, document: dict[str, Any], use: Use = "doc
 def short_look(state: ViewerState, number: int, use: Use = "document") -> dict[str, Any] | str:
     """The look of a layer: a preset's name, or {"map": name, "window": [low, high]}, or all its fields.
 
-    use : in links and options maps may also have "threshold" and "gamma", which documents of scenes have not; but in
-        links a background that is left open is black.
+    use : in links and options maps may also have "threshold" and "gamma", which documents of scenes have not; in links
+        maps have the background of their look too, which elsewhere the whole picture decides.
     """
     fields: dict[str, Any] = state.document["layers"][number]["look"]
     name, layer = str(fields.get("name", "")), state.scene.layers[number]
@@ -58,23 +59,31 @@ def short_look(state: ViewerState, number: int, use: Use = "document") -> dict[s
         return fields
     makers: list[Any] = [lambda: Look.preset(name, layer.looked_at)] if name in presets.catalogue() else []
     makers += [lambda: Look.auto(layer.looked_at)] if name == "auto" and number == 0 else []
+    behind = state.document["background"]
     for make in makers:
         found = _fields(make)
-        if found == fields or (use != "link" and found is not None and _on_black(found) == _on_black(fields)):
+        if found == fields or (use != "link" and found is not None and _on(behind, found) == _on(behind, fields)):
             return name
     curves = fields["transfer_function"]
-    if "color" not in curves:
+    if "color" not in curves or name == "auto":
         return fields
+    # Maps leave the background open, which `wavesplat view` fills in.
+    background = fields["background"]
+    own = {"background": background} if use == "link" and background is not None else {}
     window = [curves["color"][0][0], curves["color"][-1][0]]
     for ends in (window, None):
-        if _fields(lambda: overlays.overlay(layer.looked_at, name, ends)) == fields:  # noqa: B023 - called at once
-            return {"map": name} if ends is None else {"map": name, "window": window}
-    return fields if use == "document" else layer_rows.map_fields(layer) or fields
+        found = _fields(lambda: overlays.overlay(layer.looked_at, name, ends))  # noqa: B023 - called at once
+        if found == {**fields, "background": None}:
+            return {"map": name, **({} if ends is None else {"window": window}), **own}
+    if use == "document" or not isinstance(layer.look, Look):
+        return fields
+    found = layer_rows.map_fields(replace(layer, look=replace(layer.look, background=None)))
+    return fields if found is None else {**found, **own}
 
 
-def _on_black(fields: dict[str, Any]) -> dict[str, Any]:
-    """The fields of a look whose open background is black."""
-    return {**fields, "background": fields["background"] or "black"}
+def _on(background: Any, fields: dict[str, Any]) -> dict[str, Any]:
+    """The fields of a look whose open background is filled in."""
+    return {**fields, "background": fields["background"] or background}
 
 
 def _fields(make: Any) -> Any:
@@ -116,12 +125,12 @@ def options_of(state: ViewerState, size: tuple[int, int]) -> str | None:
     layers = [_layer_option(look, source["path"]) for look, source in others]
     if None in layers:
         return None
-    look = document["layers"][0]["look"]
+    look, behind = document["layers"][0]["look"], document["background"]
     arguments = [first[1]["path"], "--preset", first[0], *[part for text in layers for part in ("--layer", str(text))]]
-    if document["background"] != (look["background"] or "black"):
-        if not isinstance(document["background"], str):
+    if not behind == (look["background"] or "black") == "black":
+        if not isinstance(behind, str):
             return None
-        arguments += ["--background", document["background"]]
+        arguments += ["--background", behind]
     given = (("quality", "normal"), ("kernel", "linear"), ("composite", look["composite"]))
     for name, usual in given:
         arguments += [] if options[name] == usual else [f"--{name}", options[name]]

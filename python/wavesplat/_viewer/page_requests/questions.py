@@ -9,7 +9,7 @@ import json
 import threading
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -280,18 +280,20 @@ def _shown_shapes(open_now: list[dict[str, Any]], given: Any) -> list[dict[str, 
 
 
 def _with_looks_of_maps(state: ViewerState, found: Any) -> Any:
-    """The document of a link with looks of maps that have a threshold or a gamma, which scenes' documents have not."""
+    """The document of a link with looks of maps written out that have fields which scenes' documents have not."""
     layers = found.get("layers") if isinstance(found, dict) else None
     if not isinstance(layers, list):
         return found
 
     def written_out(number: int, layer: Any) -> Any:
         look = layer.get("look") if isinstance(layer, dict) else None
-        if not (isinstance(look, dict) and "map" in look and look.keys() & {"threshold", "gamma"}):
+        if not (isinstance(look, dict) and "map" in look and look.keys() & {"threshold", "gamma", "background"}):
             return layer
         if number >= len(state.scene.layers):
             return layer
-        made = layer_rows.look_of_map(look, state.scene.layers[number].looked_at)
+        of_map = {name: value for name, value in look.items() if name != "background"}
+        made = layer_rows.look_of_map(of_map, state.scene.layers[number].looked_at)
+        made = replace(made, background=look.get("background"))
         return {**layer, "look": json.loads(json.dumps(look_files.fields_of(made)))}
 
     return {**found, "layers": [written_out(number, layer) for number, layer in enumerate(layers)]}

@@ -27,11 +27,21 @@ test("a legend with room for few rows has those that are shown, and those that w
 describe("layers", () => {
   const scene = (...visible: boolean[]) => ({ layers: visible.map((one) => ({ visible: one }) as Layer) });
   const shown = (before: ReturnType<typeof scene>, index: number): boolean[] =>
-    patched(before, soloLayer(before.layers, index)).layers.map(({ visible }) => visible);
+    patched(before, soloLayer({ state: { ...before, labels: null } as unknown as ViewerState }, index)).layers.map(({ visible }) => visible);
   test("one alone, and all again", () => {
     expect(shown(scene(true, true, false), 1)).toEqual([false, true, false]);
     expect(shown(scene(false, true, false), 1)).toEqual([true, true, true]);
     expect(shown(scene(false, true, false), 0)).toEqual([true, false, false]);
+  });
+  test("labels lie on the first layer, and are hidden with it; those that were hidden before stay so", () => {
+    const labels = { 1: { color: "red", opacity: 0.5 }, 2: { color: "blue", opacity: 0, scan: 1 } };
+    const store = { state: { ...scene(true, true, true), labels: { labels } } as unknown as ViewerState };
+    const seen = (index: number): string[] => {
+      store.state = patched(store.state, soloLayer(store, index));
+      return labelRows(store.state.labels?.labels ?? {}).filter(({ isShown }) => isShown).map(({ number, opacity }) => `${number}: ${opacity}`);
+    };
+    expect([seen(1), seen(2), seen(2)]).toEqual([[], [], ["1: 0.5"]]);
+    expect([seen(1), seen(0), seen(0)]).toEqual([[], ["1: 0.5"], ["1: 0.5"]]);
   });
   test("alone is alone", () => {
     expect(isSolo(scene(false, true).layers, 1)).toBe(true);

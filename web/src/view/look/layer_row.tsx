@@ -92,7 +92,7 @@ export function LayerListRow(props: RowProps) {
         <Button label={TEXT.autoThis(layer.name)} pressed={row?.is_automatic === true && row.gamma === 1} onClick={() => change({ auto: true })}>{TEXT.auto}</Button>
         {layers.length > 1 && (
           <>
-            <Button label={TEXT.soloThis(layer.name)} pressed={isSolo(layers, index)} onClick={() => store.change(soloLayer(layers, index))}>{TEXT.solo}</Button>
+            <Button label={TEXT.soloThis(layer.name)} pressed={isSolo(layers, index)} onClick={() => store.change(soloLayer(store, index))}>{TEXT.solo}</Button>
             <button class="icon-button" aria-label={TEXT.removeThis(layer.name)} title={TEXT.removeThis(layer.name)} onClick={() => store.change(withoutLayer(store.state, index))}>
               <Icon name="close" />
             </button>

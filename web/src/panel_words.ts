@@ -282,6 +282,8 @@ export const PANEL_WORDS = {
     noFullScreen: "The browser does not show it on the full screen",
     goTo: "Go to a position",
     goToPoint: (point: string) => `Go to ${point}`,
+    outside: (point: string) => `${point} is outside of the volume`,
+    reaches: (lower: string, upper: string) => `it reaches from ${lower} to ${upper}`,
     goToSlice: "Go to a slice",
     sliceOf: (plane: string, n: number, count: number) => `${plane}: slice ${n} of ${count}`,
     setWindow: "Set level and width",

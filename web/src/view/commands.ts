@@ -4,7 +4,7 @@ import { KEYS, type Key } from "../input/keys.ts";
 import { set } from "../state/patch.ts";
 import { PANEL_WORDS } from "../panel_words.ts";
 import { WORDS } from "../words.ts";
-import { deedsOf, typedCommand, type Command } from "./deeds.ts";
+import { deedsOf, type Command } from "./deeds.ts";
 import { labelRows, toggledLabel } from "./look/layers.ts";
 import { chosen } from "./look/looks.ts";
 import { titleOf } from "./look/preset_kinds.ts";
@@ -12,6 +12,7 @@ import type { PartProps } from "./part.ts";
 import { problemOf } from "./problems.ts";
 import { PANELS, toggled } from "./sheet.tsx";
 import { chooseWindow, namedWindows } from "./slices/window_menu.tsx";
+import { typedCommand } from "./typed.ts";
 
 const TEXT = WORDS.palette;
 const LAYOUTS = ["3d", "one-and-three", "two-by-two", "single"] as const;

@@ -1,16 +1,12 @@
-// Deeds of the page that the palette finds beside keys and names: its buttons and tools, with other words for them; and what is typed
-// with numbers, such as "go to 12, 40, -30".
+// Deeds of the page that the palette finds beside keys and names: its buttons and tools, with other words for them.
 
 import { withLens } from "../input/camera.ts";
 import { set } from "../state/patch.ts";
-import { OVERLAYS, PANES, type Vec3 } from "../state/state.ts";
+import { OVERLAYS } from "../state/state.ts";
 import { PANEL_WORDS } from "../panel_words.ts";
 import { WORDS } from "../words.ts";
 import type { PartProps, Tool } from "./part.ts";
 import { toggled, type PanelName } from "./sheet.tsx";
-import { nameOf } from "./slices/panes.ts";
-import { crosshairAt } from "./slices/moves.ts";
-import { numberedSlice, sliceAt } from "./slices/numbers.ts";
 
 const TEXT = PANEL_WORDS.deeds;
 const TOOLS: readonly Tool[] = ["distance", "angle", "area", "window", "turn"];
@@ -72,30 +68,6 @@ export function deedsOf(part: PartProps): Command[] {
       ? [{ text: WORDS.timeBar.play, hint: WORDS.timeBar.title, words: words.play, run: () => pressed(ui, ".look-time button", WORDS.timeBar.play) }]
       : []),
   ];
-}
-
-/** The command that a text with numbers is; none for other texts. */
-export function typedCommand(part: PartProps, text: string): Command[] {
-  const { store, ui } = part;
-  const numbers = (text.match(/[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?/gi) ?? []).map(Number);
-  if (!numbers.every(Number.isFinite)) return [];
-  const command = (name: string, run: () => void): Command[] => [{ text: name, hint: TEXT.typed, run }];
-  if (/^\s*go\s?to\b/i.test(text) && numbers.length === 3) {
-    const point = numbers as unknown as Vec3;
-    return command(TEXT.goToPoint(numbers.join(", ")), () => store.change(crosshairAt(store.state, point)));
-  }
-  const [first, second] = numbers;
-  if (/^\s*(window|w\/?l|wl)\b/i.test(text) && numbers.length === 2 && first !== undefined && second !== undefined && second > 0) {
-    return command(TEXT.windowOf(first, second), () => store.change([set([first, second], "view", "slices", "window")]));
-  }
-  if (/^\s*slice\b/i.test(text) && numbers.length === 1 && first !== undefined) {
-    const pane = PANES.find((one) => one === ui.views.last) ?? PANES.find((one) => ui.frames[one] !== undefined) ?? "z";
-    const at = sliceAt(part, pane, first);
-    const now = numberedSlice(part, pane);
-    if (at === null || now === null) return [];
-    return command(TEXT.sliceOf(nameOf(part, pane), first, now.count), () => store.change(crosshairAt(store.state, at)));
-  }
-  return [];
 }
 
 /** Presses a button of a sheet, or gives a field of it the focus, after opening the sheet. */

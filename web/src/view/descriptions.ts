@@ -46,14 +46,18 @@ export function decimalsOf(spacing: number): number {
   return spacing > 0 ? Math.min(9, Math.max(0, Math.floor(1.5 - Math.log10(spacing)))) : 3;
 }
 
+/** The name of an axis in a place's text: in a patient the side that a value of its sign lies on, else x, y or z. */
+export function axisName(axis: number, value: number, { volumes, axis_ends }: Pick<Welcome, "volumes" | "axis_ends">): string {
+  return (volumes[0]?.is_anatomical ? axis_ends[2 * axis + (value < 0 ? 0 : 1)] : "xyz"[axis]) ?? "";
+}
+
 /** A world point for people: "R 3.5 A 176.3 S 274.2 mm" in a patient, else "x 3.5 y 176.3 z 274.2 µm". */
-export function placeText(point: Vec3, { volumes, axis_ends }: Pick<Welcome, "volumes" | "axis_ends">): string {
-  const volume = volumes[0];
+export function placeText(point: Vec3, welcome: Pick<Welcome, "volumes" | "axis_ends">): string {
+  const volume = welcome.volumes[0];
   const decimals = decimalsOf(Math.min(...(volume?.spacing ?? [1])));
   const parts = point.map((value, axis) => {
     const rounded = value.toFixed(decimals);
-    if (!volume?.is_anatomical) return `${"xyz"[axis]} ${rounded}`;
-    return `${axis_ends[2 * axis + (value < 0 ? 0 : 1)]} ${rounded.replace("-", "")}`;
+    return `${axisName(axis, value, welcome)} ${volume?.is_anatomical ? rounded.replace("-", "") : rounded}`;
   });
   return [...parts, volume?.unit ?? ""].join(" ").trim();
 }

@@ -3,7 +3,7 @@ import { describe, expect, test } from "vitest";
 import { patched } from "../src/state/patch.ts";
 import type { LabelLook, Layer, View, ViewerState } from "../src/state/state.ts";
 import { chosenRows } from "../src/view/legend_rows.ts";
-import { isSolo, isSoloLabel, labelRows, shownLabels, soloLayer, toggledLabel, type Hidden } from "../src/view/look/layers.ts";
+import { isSoloLabel, labelRows, shownLabels, toggledLabel, type Hidden } from "../src/view/look/layers.ts";
 import {
   dropPreset,
   keepPreset,
@@ -14,6 +14,7 @@ import {
   type Keeper,
   type OwnPreset,
 } from "../src/view/look/own_presets.ts";
+import { isSolo, soloLayer } from "../src/view/look/solo.ts";
 import { nextTime, shownViews, waitFor } from "../src/view/look/time_steps.ts";
 
 test("a legend with room for few rows has those that are shown, and those that were just clicked, in their order", () => {

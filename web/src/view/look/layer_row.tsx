@@ -13,10 +13,10 @@ import { withoutLayer } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
 import { heights, numberText, roundStep } from "./axis.ts";
 import type { Range } from "./curves.ts";
-import { isSolo, soloLayer } from "./layers.ts";
 import { titleOf } from "./preset_kinds.ts";
 import { Ramp } from "./ramp.tsx";
 import { changeRow, typedValue, type ChangeQueue } from "./row_changes.ts";
+import { isSolo, soloLayer } from "./solo.ts";
 
 const TEXT = PANEL_WORDS.layersPanel;
 const BINS = 96;

@@ -51,7 +51,7 @@ pub(crate) fn labels_of(fields: &Value, segmentation: &Volume<'_>, scan: &Grid) 
             if !numbers.contains(&number) {
                 return refused("label", name.clone(), "a number that occurs", "leave out its look");
             }
-            looks.insert(number, look_of_label(fields)?);
+            looks.insert(number, look_of_label(fields, number)?);
         }
     } else {
         let shown = (0..).zip(numbers.iter().filter(|number| **number != 0));
@@ -70,10 +70,15 @@ pub(crate) fn labels_of(fields: &Value, segmentation: &Volume<'_>, scan: &Grid) 
     Labels::new(codes, looks, scan, kernel, BUDGET_BYTES).map(Arc::new).map_err(|error| made("labels", error))
 }
 
-fn look_of_label(fields: &Value) -> DocumentResult<LabelLook> {
+fn look_of_label(fields: &Value, number: i64) -> DocumentResult<LabelLook> {
+    let place = format!("labels[{number}].color");
+    let color = straight_color(&fields["color"], &place)?;
+    let [r, g, b, _] = color.ok_or_else(|| {
+        let error = Error::out_of_range("colour of a label", &fields["color"], "a colour", "set its opacity to 0");
+        made(&place, error)
+    })?;
     let number = |name: &str, other: f64| fields[name].as_f64().unwrap_or(other);
     let opacity = number("opacity", USUAL_OPACITY);
-    let [r, g, b, _] = straight_color(&fields["color"], "labels: color")?.unwrap_or_default();
     let scan = number("scan", if opacity > 0.0 { 0.0 } else { 1.0 });
     Ok(LabelLook { rgb: [r, g, b], opacity, scan, tint: number("tint", 0.0) })
 }

@@ -35,14 +35,14 @@ pub enum DocumentError {
         error: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A field that Python draws, and this crate does not yet.
-    #[error(
-        "scene: {field}: {what}, which this crate cannot draw yet; draw it with the Python package, or leave it out"
-    )]
+    #[error("scene: {field}: {what}, which this crate cannot draw yet; {mend}")]
     NotDrawn {
         /// The field.
         field: String,
         /// The value that is not drawn.
         what: String,
+        /// How to mend it.
+        mend: &'static str,
     },
     /// A part of a scene that a document has no words for.
     #[error("the scene has {0}, which its document cannot say")]
@@ -51,7 +51,8 @@ pub enum DocumentError {
 
 pub(crate) type DocumentResult<T> = Result<T, DocumentError>;
 pub(crate) fn not_drawn(field: impl Into<String>, what: impl Into<String>) -> DocumentError {
-    DocumentError::NotDrawn { field: field.into(), what: what.into() }
+    let mend = "draw it with the Python package, or leave it out";
+    DocumentError::NotDrawn { field: field.into(), what: what.into(), mend }
 }
 
 pub(crate) fn made(place: &str, error: Error) -> DocumentError {
@@ -173,7 +174,8 @@ pub(crate) fn straight_color(given: &Value, field: &str) -> DocumentResult<Optio
         Some([rgb[0], rgb[1], rgb[2], 1.0])
     };
     let hexadecimal = |text: &str| {
-        let digits = text.strip_prefix('#').filter(|digits| digits.is_ascii() && [6, 8].contains(&digits.len()))?;
+        let digits = text.strip_prefix('#').filter(|digits| [6, 8].contains(&digits.len()))?;
+        let digits = Some(digits).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()))?;
         let byte = |at: usize| u8::from_str_radix(digits.get(at..at + 2).unwrap_or("ff"), 16).ok();
         Some([byte(0)?, byte(2)?, byte(4)?, byte(6)?].map(|byte| f64::from(byte) / 255.0))
     };
@@ -183,7 +185,11 @@ pub(crate) fn straight_color(given: &Value, field: &str) -> DocumentResult<Optio
         Value::String(text) => {
             let text = text.trim().to_lowercase();
             let found = named(&text).or_else(|| hexadecimal(&text));
-            found.ok_or_else(|| not_drawn(field, format!("the colour {given}; write numbers or #rrggbb")))?
+            found.ok_or_else(|| DocumentError::NotDrawn {
+                field: field.to_owned(),
+                what: format!("the colour {given}"),
+                mend: "write numbers or #rrggbb, or draw it with the Python package",
+            })?
         }
         numbers => [0, 1, 2, 3].map(|channel| numbers[channel].as_f64().unwrap_or(1.0)),
     };

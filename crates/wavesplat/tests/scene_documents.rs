@@ -103,6 +103,11 @@ fn what_is_not_drawn_yet_is_said() {
     let text = |shape| json!([{"frame": shape}]);
     for (path, value, said) in [
         ("/labels", json!({"volume": {"path": "d.npy"}}), "labels.volume: no such file"),
+        (
+            "/labels",
+            json!({"volume": {"path": "c.npy"}, "labels": {"1": {"color": "transparent"}}}),
+            "labels[1].color: colour of a label is \"transparent\", which is not a colour; set its opacity to 0",
+        ),
         ("/labels", json!({"volume": {"path": "c.npy"}, "labels": {"9": {"color": "red"}}}), "labels: label is 9"),
         ("/geometry", text(json!({"grid": true})), "geometry: shapes"),
         ("/figure", json!({"title": "t"}), "figure: marks"),
@@ -116,7 +121,13 @@ fn what_is_not_drawn_yet_is_said() {
         ("/layers/0/color_from", json!({"volume": {"path": "b.npy"}}), "layers[0].color_from: a field"),
         ("/layers/0/visible", json!(false), "layers: no layer that is visible"),
         ("/layers/0/volume/path", json!("d.npy"), "layers[0].volume: no such file"),
-        ("/background", json!("skyblue"), "background: the colour \"skyblue\""),
+        (
+            "/background",
+            json!("skyblue"),
+            "background: the colour \"skyblue\", which this crate cannot draw yet; write numbers or #rrggbb, or draw it with \
+             the Python package",
+        ),
+        ("/background", json!("#+f+f+f"), "background: the colour \"#+f+f+f\""),
         ("/render/stereo", json!("left"), "render.stereo: two eyes"),
         ("/render/psnr", json!(40), "render.psnr: a wanted PSNR"),
         ("/render/composite", json!({"x-ray": {}}), "render.composite: the operator {\"x-ray\":{}}"),

@@ -37,6 +37,7 @@ pub use error::{FieldError, Found, quoted};
 pub use fields::{LARGEST, VERSION, check_fields, check_list, is_number, is_point, optional_number};
 pub use look::{LookDocument, MaterialsDocument, check_material, check_settings, lights};
 pub use node::{ChangedNode, ValueNode};
+pub use parts::COMPOSITE_SYNONYMS;
 pub use patch::{MAX_STEPS, patched};
 pub use scene::{check_document, check_part, check_state, fields_of_part};
 pub use schema::{scene_schema, written};

@@ -65,9 +65,8 @@ pub(crate) const COMPOSITES: [&str; 11] = [
 ];
 /// Operators that a name alone says.
 pub(crate) const BY_NAME: &[&str] = COMPOSITES.split_at(COMPOSITES.len() - 1).0;
-/// Other names of operators, which documents may have too.
-pub(crate) const COMPOSITE_SYNONYMS: [(&str, &str); 3] =
-    [("mip", "maximum"), ("minip", "minimum"), ("average", "mean")];
+/// Other names of operators, which documents may have too, and the names.
+pub const COMPOSITE_SYNONYMS: [(&str, &str); 3] = [("mip", "maximum"), ("minip", "minimum"), ("average", "mean")];
 const EYES: [&str; 5] = ["side-by-side", "top-bottom", "anaglyph", "left", "right"];
 pub(crate) const VIEWS: [&str; 4] = ["3d", "z", "y", "x"];
 /// Slices by the world's axis across them.

@@ -6,7 +6,10 @@ use wavesplat_core::{
     Camera, ClipPlane, ColorNode, Composite, Crop, Error, Gradient, GradientNode, Light, LightFrame, OpacityNode,
     Projection, Shading, TransferFunction, TransferFunction2D,
 };
-use wavesplat_document::{CameraDocument, CurvesDocument, FieldError, LensField, TableDocument, VERSION};
+use wavesplat_document::{
+    COMPOSITE_SYNONYMS, CameraDocument, CurvesDocument, FieldError, LensField, TableDocument, VERSION,
+};
+use wavesplat_look::Look;
 
 use crate::quality::Quality;
 use crate::scene::{Scene, SceneLayer};
@@ -214,16 +217,19 @@ pub(crate) fn quality(name: Option<&str>) -> Quality {
     all.into_iter().find(|quality| Some(quality.name()) == name).unwrap_or_default()
 }
 
-/// The operator of a name, where it needs no number.
+/// Operators that need no number.
+const OPERATORS: [(&str, Composite); 5] = [
+    ("over", Composite::Over),
+    ("maximum", Composite::Maximum),
+    ("minimum", Composite::Minimum),
+    ("mean", Composite::Mean),
+    ("sum", Composite::Sum),
+];
+
+/// The operator of a name or a synonym, where it needs no number.
 pub(crate) fn operator(name: &str) -> Option<Composite> {
-    match name {
-        "over" | "" => Some(Composite::Over),
-        "maximum" | "mip" => Some(Composite::Maximum),
-        "minimum" | "minip" => Some(Composite::Minimum),
-        "mean" | "average" => Some(Composite::Mean),
-        "sum" => Some(Composite::Sum),
-        _ => None,
-    }
+    let name = COMPOSITE_SYNONYMS.iter().find(|(synonym, _)| *synonym == name).map_or(name, |(_, name)| name);
+    OPERATORS.iter().find(|(known, _)| *known == name).map(|(_, operator)| *operator)
 }
 
 // Written.
@@ -237,9 +243,58 @@ pub(crate) fn composite_fields(composite: Composite) -> DocumentResult<Value> {
     if let Composite::FirstHit { iso_value } = composite {
         return Ok(json!({"first-hit": {"iso_value": iso_value}}));
     }
-    let name = ["over", "maximum", "minimum", "mean", "sum"].into_iter().find(|name| operator(name) == Some(composite));
-    let unsaid = || DocumentError::NotWritten("an operator along the ray with settled numbers".to_owned());
-    name.map(|name| json!(name)).ok_or_else(unsaid)
+    operator_name(composite).map(|name| json!(name))
+}
+
+fn operator_name(composite: Composite) -> DocumentResult<&'static str> {
+    let found = OPERATORS.iter().find(|(_, operator)| *operator == composite).map(|(name, _)| *name);
+    found.ok_or_else(|| DocumentError::NotWritten("an operator along the ray with settled numbers".to_owned()))
+}
+
+/// The document of a look, as `Look.to_json` of Python has it. [`Scene::from_document`] takes it as the look of a layer, and
+/// gives the same picture.
+///
+/// ```
+/// let look = wavesplat::Look::preset("ct-bone")?;
+/// let document = wavesplat::look_document(&look)?;
+/// assert_eq!(document["name"], "ct-bone");
+/// assert_eq!(document["composite"], "over");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// If documents cannot say it: a corner that is left out, an operator with numbers, a background that is no colour of
+/// 8 bits.
+pub fn look_document(look: &Look) -> Result<Value, DocumentError> {
+    let mut fields = fields_of_look(look)?;
+    fields["version"] = json!(VERSION);
+    Ok(fields)
+}
+
+/// The same without a version, as scenes have it.
+pub(crate) fn fields_of_look(look: &Look) -> DocumentResult<Value> {
+    if look.is_cut_open {
+        return Err(DocumentError::NotWritten("a corner that is left out".to_owned()));
+    }
+    let mut fields = look_fields(&look.transfer_function, look.shading.as_ref());
+    fields["name"] = json!(look.name);
+    fields["description"] = json!(look.reason);
+    fields["composite"] = json!(operator_name(look.composite)?);
+    fields["view"] = json!(look.view);
+    fields["background"] = json!(look.background.map(color_text).transpose()?);
+    Ok(fields)
+}
+
+/// A colour as #rrggbb, or #rrggbbaa.
+fn color_text(color: [f32; 4]) -> DocumentResult<String> {
+    let bytes = color.map(|channel| (255.0 * channel).round() as u8);
+    if bytes.map(|byte| (f64::from(byte) / 255.0) as f32) != color {
+        return Err(DocumentError::NotWritten("a look with a background that is no colour of 8 bits".to_owned()));
+    }
+    let [red, green, blue, opacity] = bytes;
+    let rest = if opacity == 255 { String::new() } else { format!("{opacity:02x}") };
+    Ok(format!("#{red:02x}{green:02x}{blue:02x}{rest}"))
 }
 
 pub(crate) fn look_of(layer: &SceneLayer<'_>) -> Value {

@@ -64,7 +64,8 @@
 //!
 //! - [`AutoLook`]: `Look::auto(&volume, &facts)`, the look that suits a volume; [`cut_open`]: blocks, without a corner.
 //! - [`Look::preset`]: looks by name, ours and 3D Slicer's; [`look`]: colour maps, windows of CT, colours of channels.
-//! - [`Scene::from_document`]: scenes that Python or the viewer saved as JSON, with camera and picture; [`document`].
+//! - [`Scene::from_document`]: scenes that Python or the viewer saved as JSON, with camera and picture; [`document`];
+//!   [`look_document`]: the JSON of a look.
 //! - [`files::read`]: volumes in NIfTI and NRRD files, with the [`Facts`] of their headers; [`kind_of`]: what they hold.
 //! - [`PlacedCamera`]: `Camera::orbit(&volume, ..)`, and `Camera::fit(&scene, ..)` around what looks show.
 //! - [`view::InView`]: cameras on an orbit, or of a named view, that show all of a volume; [`view::Pose`]: their turns.
@@ -114,7 +115,7 @@ pub use automatic::{AutoLook, cut_open};
 pub use block_state::BlockState;
 pub use bytes::{rgb_bytes, straight_bytes};
 pub use device::{Device, DrawnBy};
-pub use document_values::DocumentError;
+pub use document_values::{DocumentError, look_document};
 pub use error::LevelError;
 pub use frame::{Frame, FrameOptions, StageTimes};
 pub use kind::kind_of;

@@ -14,7 +14,7 @@ use crate::automatic::AutoLook;
 use crate::document_labels::labels_of;
 use crate::document_values::{
     DocumentError, DocumentResult, camera_fields, camera_of, clips, clips_of, color_of, composite_fields, curves,
-    exact, faded, look_fields, look_of, made, not_drawn, operator, quality, shading,
+    exact, faded, fields_of_look, look_of, made, not_drawn, operator, quality, shading,
 };
 use crate::frame::{Frame, FrameOptions};
 use crate::kind::kind_of;
@@ -60,7 +60,7 @@ pub struct FramedScene<'a> {
     /// Options of the picture.
     pub options: FrameOptions,
     source: Value,
-    /// The same with the automatic look written out.
+    /// The same with looks written out that it has by name, or leaves open.
     settled: Value,
     /// The labels of the document.
     labels: Option<Arc<Labels>>,
@@ -89,12 +89,26 @@ impl<'a> Scene<'a> {
             volume(&layer["volume"]).map_err(failed)
         };
         let (mut settled, mut opened) = (document.clone(), None);
-        if let [(number, layer)] = shown_layers(document)[..]
-            && (layer["look"].is_null() || layer["look"].as_str().is_some_and(|name| name.eq_ignore_ascii_case("auto")))
-        {
-            let (samples, facts) = named(layer, number)?;
-            settled["layers"][number]["look"] = automatic(&samples, &facts, &document["render"]["composite"], number)?;
-            opened = Some((samples, facts));
+        let shown = shown_layers(document);
+        for &(number, layer) in &shown {
+            let place = format!("layers[{number}].look");
+            if !is_automatic(&layer["look"]) {
+                if let Some(name) = layer["look"].as_str() {
+                    let look = Look::preset(name).map_err(|error| made(&place, error))?;
+                    settled["layers"][number]["look"] = fields_of_look(&look)?;
+                }
+            } else if shown.len() == 1 {
+                let (samples, facts) = named(layer, number)?;
+                settled["layers"][number]["look"] =
+                    automatic(&samples, &facts, &document["render"]["composite"], &place)?;
+                opened = Some((samples, facts));
+            } else {
+                return Err(DocumentError::NotDrawn {
+                    field: place,
+                    what: "the look that suits the data of one of several layers".to_owned(),
+                    mend: "write a look, or draw it with the Python package",
+                });
+            }
         }
         let said = SaidScene::of(&settled)?;
         let mut layers = Vec::new();
@@ -200,19 +214,16 @@ impl FramedScene<'_> {
             if layer.color.is_some() {
                 return has("a field that colours a layer");
             }
-            let place = &mut document["layers"][before.number];
-            if layer.transfer_function != before.transfer_function {
-                // The opacity of the layer is in its transfer function.
-                place["opacity"] = json!(1.0);
-            }
             if layer.transfer_function != before.transfer_function || !is_lit_alike {
-                let mut look = look_of(layer);
-                if let Some(fields) = place["look"].as_object() {
-                    let kept =
-                        fields.iter().filter(|(name, _)| !["transfer_function", "shading"].contains(&name.as_str()));
-                    kept.for_each(|(name, value)| look[name] = value.clone());
+                let (place, mut look) = (&mut document["layers"][before.number], look_of(layer));
+                let fields = self.settled["layers"][before.number]["look"].as_object();
+                let is_kept = |name: &String| !["transfer_function", "shading"].contains(&name.as_str());
+                for (name, value) in fields.into_iter().flatten().filter(|(name, _)| is_kept(name)) {
+                    look[name] = value.clone();
                 }
                 place["look"] = look;
+                // The opacity of the layer is in its transfer function.
+                place["opacity"] = json!(1.0);
             }
         }
         if (scene.crop, &scene.clip_planes) != (said.crop, &said.clip_planes) {
@@ -251,23 +262,22 @@ impl FramedScene<'_> {
     }
 }
 
+/// Whether a look is the one that suits the data.
+fn is_automatic(look: &Value) -> bool {
+    look.is_null() || look.as_str().is_some_and(|name| name.eq_ignore_ascii_case("auto"))
+}
+
 /// The automatic look of the only layer, written out.
-fn automatic(samples: &Volume<'_>, facts: &Facts, composite: &Value, number: usize) -> DocumentResult<Value> {
-    let place = format!("layers[{number}].look");
-    let look = Look::auto(samples, facts).map_err(|error| made(&place, error))?;
-    let operator = composite_fields(look.composite).unwrap_or_default();
-    let is_of_view = ["minimum", "mean", "sum"].into_iter().any(|name| operator == name);
-    if kind_of(samples, facts).kind == DataKind::Labels || look.is_cut_open || operator.is_null() || is_of_view {
+fn automatic(samples: &Volume<'_>, facts: &Facts, composite: &Value, place: &str) -> DocumentResult<Value> {
+    let look = Look::auto(samples, facts).map_err(|error| made(place, error))?;
+    let is_of_view = [Composite::Minimum, Composite::Mean, Composite::Sum].contains(&look.composite);
+    let fields = fields_of_look(&look).ok().filter(|_| !is_of_view);
+    let Some(fields) = fields.filter(|_| kind_of(samples, facts).kind != DataKind::Labels) else {
         return Err(not_drawn(place, "the automatic look of such data"));
-    }
-    if !composite.is_null() && *composite != operator {
+    };
+    if !composite.is_null() && composite.as_str().and_then(operator) != Some(look.composite) {
         return Err(not_drawn(place, "the automatic look for another operator than its own"));
     }
-    let curves = TransferFunction::clone(&look.transfer_function);
-    let mut fields = look_fields(&curves, look.shading.as_ref());
-    fields["name"] = json!("auto");
-    fields["composite"] = operator;
-    fields["background"] = json!(look.background.map(|color| color.map(exact)));
     Ok(fields)
 }
 
@@ -358,7 +368,7 @@ fn is_empty(value: &Value) -> bool {
 }
 
 impl SaidLayer {
-    /// `light`: of the scene, which comes before that of the look.
+    /// `layer`: with its look written out. `light`: of the scene, which comes before that of the look.
     fn of(layer: &Value, number: usize, light: Option<&Value>) -> DocumentResult<Self> {
         let place = format!("layers[{number}]");
         let not_drawn = |field: &str, what: &str| Err(not_drawn(format!("{place}.{field}"), what));
@@ -369,28 +379,21 @@ impl SaidLayer {
             return not_drawn("time", "another time than the first");
         }
         let look = &layer["look"];
-        let (mut transfer_function, own, composite, background) = match look {
-            Value::String(name) => {
-                let look = Look::preset(name).map_err(|error| made(&format!("{place}.look"), error))?;
-                let composite = composite_fields(look.composite)?;
-                (look.transfer_function, look.shading, composite.as_str().map(str::to_owned), look.background)
-            }
-            Value::Null => return not_drawn("look", "the look that suits the data; write a look"),
-            _ if !look["map"].is_null() => return not_drawn("look", "a colour map over a window"),
-            _ if !is_empty(&look["part"]) => return not_drawn("look.part", "a part of the volume"),
-            _ => {
-                let function = curves(&look["transfer_function"], &format!("{place}.look"))?;
-                // A look that says nothing of light has the usual one.
-                let own = match look.get("shading") {
-                    Some(light) => shading(light, &format!("{place}.look"))?,
-                    None => Some(Shading::default()),
-                };
-                let background = color_of(&look["background"], &format!("{place}.look.background"))?;
-                (function, own, look["composite"].as_str().map(str::to_owned), background)
-            }
+        if !look["map"].is_null() {
+            return not_drawn("look", "a colour map over a window");
+        }
+        if !is_empty(&look["part"]) {
+            return not_drawn("look.part", "a part of the volume");
+        }
+        let mut transfer_function = curves(&look["transfer_function"], &format!("{place}.look"))?;
+        // A look that says nothing of light has the usual one.
+        let own = match look.get("shading") {
+            Some(light) => shading(light, &format!("{place}.look"))?,
+            None => Some(Shading::default()),
         };
+        let background = color_of(&look["background"], &format!("{place}.look.background"))?;
+        let composite = look["composite"].as_str().unwrap_or("over").to_owned();
         let opacity = layer["opacity"].as_f64().unwrap_or(1.0);
-        let composite = composite.unwrap_or_else(|| "over".to_owned());
         if opacity != 1.0 {
             if composite != "over" || transfer_function.function_2d().is_some() {
                 return not_drawn("opacity", "opacity of a projection, or of a table");

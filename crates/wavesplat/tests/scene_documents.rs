@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use wavesplat::glam::DAffine3;
-use wavesplat::{DocumentError, Facts, FramedScene, Samples, Scene, Volume};
+use wavesplat::{Composite, DocumentError, Facts, FramedScene, Samples, Scene, Volume};
 
 const SHAPE: [usize; 3] = [12, 10, 8];
 
@@ -27,6 +27,11 @@ impl Files {
     }
 
     fn read(&self, document: &Value) -> Result<FramedScene<'_>, DocumentError> {
+        self.read_as(document, &Facts::default())
+    }
+
+    /// The same of files that state facts.
+    fn read_as(&self, document: &Value, facts: &Facts) -> Result<FramedScene<'_>, DocumentError> {
         Scene::from_document(document, |source| {
             let samples = match source["path"].as_str() {
                 Some("a.npy") => Samples::U8(&self.a),
@@ -34,9 +39,14 @@ impl Files {
                 Some("c.npy") => Samples::U8(&self.c),
                 _ => return Err("no such file".into()),
             };
-            Ok((Volume::new("a", samples, SHAPE, DAffine3::IDENTITY)?, Facts::default()))
+            Ok((Volume::new("a", samples, SHAPE, DAffine3::IDENTITY)?, facts.clone()))
         })
     }
+}
+
+/// Facts of a PET, whose automatic look is the maximum on white.
+fn of_pet() -> Facts {
+    Facts { is_anatomical: true, unit: Some("mm".to_owned()), modality: Some("PT".to_owned()), ..Facts::default() }
 }
 
 fn sum_of(frame: &wavesplat::Frame) -> String {
@@ -75,7 +85,7 @@ fn what_changed_is_written_and_drawn_again() {
     framed.scene.background = Some([0.5, 0.25, 0.125, 1.0]);
     framed.scene.layers[0].shading = None;
     framed.options.kernel = wavesplat::Kernel::Bspline3;
-    framed.options.composite = wavesplat::Composite::FirstHit { iso_value: 150.0 };
+    framed.options.composite = Composite::FirstHit { iso_value: 150.0 };
     framed.size_px = Some([20, 14]);
     let plane = wavesplat::ClipPlane { origin: [5.0, 4.0, 3.0].into(), normal: [0.0, 1.0, 0.0].into() };
     framed.scene.clip_planes.push(plane);
@@ -98,6 +108,65 @@ fn what_changed_is_written_and_drawn_again() {
 }
 
 #[test]
+fn a_layer_whose_light_changed_is_faded_once() {
+    let files = Files::new();
+    let mut document = simple();
+    document["layers"][0]["opacity"] = json!(0.5);
+    let mut framed = files.read(&document).unwrap();
+    framed.scene.layers[0].shading = None;
+    let written = framed.document().unwrap();
+    let again = files.read(&written).unwrap();
+    assert_eq!(again.scene.layers[0].transfer_function.opacity_nodes()[1].opacity, 0.45, "{written}");
+    assert_eq!(sum_of(&again.render().unwrap()), sum_of(&framed.render().unwrap()));
+}
+
+#[test]
+fn a_changed_automatic_look_keeps_its_operator_and_background() {
+    let files = Files::new();
+    for look in [Value::Null, json!("Auto")] {
+        let mut document = simple();
+        document["layers"][0]["look"] = look;
+        let mut framed = files.read_as(&document, &of_pet()).unwrap();
+        assert_eq!(framed.document().unwrap(), document, "what was not changed stays");
+        assert_eq!(framed.options.composite, Composite::Maximum);
+        assert_eq!(framed.scene.background, Some([1.0; 4]));
+        framed.scene.layers[0].shading = Some(wavesplat::Shading::default());
+        let written = framed.document().unwrap();
+        let again = files.read_as(&written, &of_pet()).unwrap();
+        assert_eq!(
+            (again.options.composite, again.scene.background),
+            (Composite::Maximum, Some([1.0; 4])),
+            "{written}"
+        );
+        assert_eq!(sum_of(&again.render().unwrap()), sum_of(&framed.render().unwrap()));
+    }
+}
+
+#[test]
+fn a_changed_look_of_a_name_keeps_the_name() {
+    let files = Files::new();
+    let mut document = simple();
+    document["layers"][0]["look"] = json!("ct-bone");
+    let mut framed = files.read(&document).unwrap();
+    framed.scene.layers[0].shading = None;
+    let written = framed.document().unwrap();
+    assert_eq!(written["layers"][0]["look"]["name"], "ct-bone");
+    assert_eq!(sum_of(&files.read(&written).unwrap().render().unwrap()), sum_of(&framed.render().unwrap()));
+}
+
+#[test]
+fn operators_have_synonyms_beside_automatic_looks_too() {
+    let files = Files::new();
+    let mut document = simple();
+    document["layers"][0]["look"] = Value::Null;
+    for (name, is_its_own) in [("maximum", true), ("mip", true), ("minip", false)] {
+        document["render"]["composite"] = json!(name);
+        let read = files.read_as(&document, &of_pet()).map(|framed| framed.options.composite);
+        assert_eq!(read.is_ok_and(|operator| operator == Composite::Maximum), is_its_own, "{name}");
+    }
+}
+
+#[test]
 fn what_is_not_drawn_yet_is_said() {
     let files = Files::new();
     let text = |shape| json!([{"frame": shape}]);
@@ -112,7 +181,13 @@ fn what_is_not_drawn_yet_is_said() {
         ("/geometry", text(json!({"grid": true})), "geometry: shapes"),
         ("/figure", json!({"title": "t"}), "figure: marks"),
         ("/clip", json!([{"cut_out": {"lower": [0, 0, 0], "upper": [1, 1, 1]}}]), "clip[0]: a box that is taken out"),
-        ("/layers/-", json!({"volume": {"path": "b.npy"}}), "layers[1].look: the look that suits the data"),
+        (
+            "/layers/-",
+            json!({"volume": {"path": "b.npy"}}),
+            "layers[1].look: the look that suits the data of one of several layers, which this crate cannot draw yet; \
+             write a look, or draw it with the Python package",
+        ),
+        ("/layers/-", json!({"volume": {"path": "b.npy"}, "look": "Auto"}), "layers[1].look: the look that suits the"),
         ("/layers/0/look", json!({"map": "hot"}), "layers[0].look: a colour map"),
         ("/layers/0/look", json!("mr-head"), "layers[0].look: "),
         ("/layers/0/look/part", json!("body"), "layers[0].look.part: a part"),

@@ -334,6 +334,17 @@ describe("an instance", () => {
     expect(() => module.open(file.file, Buffer.from(file.bytes, "hex"))).toThrow("a volume is open already; the next one needs a new instance");
   });
 
+  test("gives back the memory of what it refuses", async () => {
+    const module = await VolumeModule.of(compiled);
+    const flat = [[0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]];
+    const head: SamplesHead = { name: "flat", type: "uint8", size: [256, 256, 64], world_from_index: flat };
+    const refuse = () => expect(() => module.openSamples(head, new Uint8Array(256 * 256 * 64))).toThrow(ModuleError);
+    refuse();
+    const before = module.memoryBytes;
+    for (let time = 0; time < 8; time += 1) refuse();
+    expect(module.memoryBytes).toBe(before);
+  });
+
   test("has ended when memory is refused", async () => {
     const module = await VolumeModule.of(compiled);
     const huge = { length: 2 ** 32 - 2 ** 20 } as Uint8Array;

@@ -7,11 +7,11 @@ use wavesplat::document::{CameraDocument, LensField, LookDocument};
 use wavesplat::files::{self, FileVolume};
 use wavesplat::glam::{DAffine3, DMat3, DVec3};
 use wavesplat::look::FoundKind;
-use wavesplat::view::{Fit, InView, Lens, Pose, grid_corners};
+use wavesplat::view::{Fit, InView, Lens, Pose, grid_corners, view_angles};
 use wavesplat::{
     AutoLook, Composite, Effort, Facts, FrameOptions, FramedScene, Kernel, Look, Picture, PlacedCamera, Plane, Quality,
     Reduction, SampleBuffer, Samples, Scene, SceneVolume, ThickSlab, Volume, VolumeCache, cut_open, kind_of,
-    straight_bytes,
+    look_document, straight_bytes,
 };
 
 use crate::requests::{counts, number, numbers, text};
@@ -23,10 +23,10 @@ pub struct OpenedVolume {
     /// The scene and the options of its picture, once there is a look.
     scene: Option<(Scene<'static>, FrameOptions)>,
     cache: Arc<VolumeCache>,
-    /// The volume without a corner, once a look has asked for it.
-    cut_open: Option<Volume<'static>>,
+    /// The volume without a corner, once a look has asked for it, and the view whose corner it is.
+    cut_open: Option<(Option<&'static str>, Volume<'static>)>,
     /// View and operator that the camera is fitted for.
-    fitted_for: (Option<&'static str>, Composite),
+    fitted_for: (Option<String>, Composite),
     pose: Option<Pose>,
     picture: Option<Picture>,
 }
@@ -35,6 +35,15 @@ pub struct OpenedVolume {
 #[allow(clippy::needless_pass_by_value, reason = "map_err gives errors away")]
 fn message(error: impl ToString) -> String {
     error.to_string()
+}
+
+/// A file's samples, kept for good once they are known to be a volume: they stay as long as the instance.
+fn kept(file: FileVolume) -> Result<(&'static FileVolume, Volume<'static>), String> {
+    let statistics = file.volume().map_err(message)?.grid().statistics();
+    let file: &'static FileVolume = Box::leak(Box::new(file));
+    let volume =
+        Volume::with_statistics(&file.facts.name, file.samples(), file.size, file.world_from_index, statistics);
+    Ok((file, volume.map_err(message)?))
 }
 
 impl OpenedVolume {
@@ -89,12 +98,11 @@ impl OpenedVolume {
         })
     }
 
-    /// The volume stays as long as the instance, so nothing is lost by keeping it for good.
     fn of(file: FileVolume) -> Result<Self, String> {
-        let file: &'static FileVolume = Box::leak(Box::new(file));
+        let (file, volume) = kept(file)?;
         Ok(Self {
             file,
-            volume: file.volume().map_err(message)?,
+            volume,
             scene: None,
             cache: Arc::default(),
             cut_open: None,
@@ -149,7 +157,7 @@ impl OpenedVolume {
     }
 
     /// Takes the look that suits the volume, `{"auto": true}`, that of a preset, or of a document. The answer has the look's
-    /// document, where documents can say it.
+    /// document, which gives the same look again; null for a look that is cut open.
     ///
     /// # Errors
     ///
@@ -161,9 +169,13 @@ impl OpenedVolume {
             fields.as_object_mut().map(|fields| fields.remove("version"));
             let layer = json!({"volume": {"path": self.file.facts.name}, "look": fields});
             let document = json!({"wavesplat": "scene", "version": 1, "layers": [layer], "keep_table": true});
+            let [name, reason, _, view, ..] = read.texts;
+            if let Some(view) = &view {
+                view_angles(view, self.file.facts.is_anatomical).map_err(message)?;
+            }
             let framed = self.framed(&document)?;
-            self.show(framed.scene, framed.options, None);
-            let [name, reason, ..] = read.texts.map(Option::unwrap_or_default);
+            self.show(framed.scene, framed.options, view);
+            let [name, reason] = [name, reason].map(Option::unwrap_or_default);
             return Ok(json!({"name": name, "reason": reason, "is_cut_open": false, "document": look}));
         }
         let look = if asked["auto"] == true {
@@ -174,21 +186,21 @@ impl OpenedVolume {
         .map_err(message)?;
         let volume = if look.is_cut_open { self.without_corner(look.view)? } else { self.volume.clone() };
         let scene = Scene::with_look(volume, &look);
-        let written = scene.document(&[json!({"path": self.file.facts.name})]).ok();
-        let document = written.map(|scene| scene["layers"][0]["look"].clone());
+        let document = look_document(&look).ok();
         let options = FrameOptions { composite: look.composite, ..FrameOptions::default() };
-        self.show(scene, options, look.view);
+        self.show(scene, options, look.view.map(str::to_owned));
         let (name, reason, is_cut_open) = (look.name, look.reason, look.is_cut_open);
         Ok(json!({"name": name, "reason": reason, "is_cut_open": is_cut_open, "document": document}))
     }
 
-    fn without_corner(&mut self, view: Option<&str>) -> Result<Volume<'static>, String> {
-        if let Some(volume) = &self.cut_open {
+    fn without_corner(&mut self, view: Option<&'static str>) -> Result<Volume<'static>, String> {
+        if let Some((of_view, volume)) = &self.cut_open
+            && *of_view == view
+        {
             return Ok(volume.clone());
         }
-        let file = cut_open(&self.volume, &self.file.facts, view).map_err(message)?;
-        let volume = Box::leak(Box::new(file)).volume().map_err(message)?;
-        Ok(self.cut_open.insert(volume).clone())
+        let (_, volume) = kept(cut_open(&self.volume, &self.file.facts, view).map_err(message)?)?;
+        Ok(self.cut_open.insert((view, volume)).1.clone())
     }
 
     /// Takes the scene of a document, with its camera, if it has one. The answer has the size of its picture.
@@ -219,7 +231,7 @@ impl OpenedVolume {
     }
 
     /// Shows a scene, with what is prepared of the samples. `view`: the name of the view that it is made for.
-    fn show(&mut self, mut scene: Scene<'static>, options: FrameOptions, view: Option<&'static str>) {
+    fn show(&mut self, mut scene: Scene<'static>, options: FrameOptions, view: Option<String>) {
         for layer in &mut scene.layers {
             // Samples that are cut open have others.
             if let SceneVolume::Samples(volume, cache) = &mut layer.volume
@@ -267,7 +279,9 @@ impl OpenedVolume {
         } else if asked.get("zoomed").is_some() {
             self.pose()?.zoomed(number(asked, "zoomed", 1.0)?).map_err(message)?
         } else if asked["fit"] == true {
-            Pose::fit_as(&self.scene()?.0, &self.file.facts, self.fitted_for, aspect).map_err(message)?
+            let (view, composite) = &self.fitted_for;
+            let shown = (view.as_deref(), *composite);
+            Pose::fit_as(&self.scene()?.0, &self.file.facts, shown, aspect).map_err(message)?
         } else {
             return Err("a camera is asked for by one of: fit, view, orbit, turned, zoomed, document".to_owned());
         };
@@ -393,5 +407,78 @@ fn buffer(sample_type: &str, bytes: Vec<u8>) -> Result<SampleBuffer, String> {
         "float32" => samples!(F32: f32),
         "float64" => samples!(F64: f64),
         _ => Err(format!("there is no type of samples '{sample_type}'")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const N: i16 = 20;
+
+    /// A ball with a bright middle, of 8 bits.
+    fn ball(modality: Option<&str>) -> OpenedVolume {
+        let at = |k: i16| [k % N, k / N % N, k / N / N].map(|at| f64::from(at) - 9.3);
+        let away = (0..N * N * N).map(at).map(|[x, y, z]| (x * x + 1.3 * y * y + 0.8 * z * z).sqrt());
+        let bytes = away.map(|r| (250.0 * (-0.02 * r * r).exp()) as u8).collect();
+        let rows = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]];
+        let facts = json!({"modality": modality, "unit": "mm", "is_anatomical": modality.is_some()});
+        let head =
+            json!({"name": "ball", "type": "uint8", "size": [N, N, N], "world_from_index": rows, "facts": facts});
+        OpenedVolume::of_samples(&head, bytes).unwrap()
+    }
+
+    fn drawn(opened: &mut OpenedVolume) -> (Value, Vec<u8>) {
+        let camera = opened.set_camera(&json!({"fit": true})).unwrap();
+        (camera, opened.draw(&json!({"size": [24, 20], "quality": "draft"})).unwrap())
+    }
+
+    #[test]
+    fn the_document_of_a_look_is_the_look() {
+        let names: Vec<String> = wavesplat::look::presets::names().collect();
+        let mut n_told = 0;
+        for (modality, asked) in [(None, json!({"auto": true})), (Some("PT"), json!({"auto": true}))]
+            .into_iter()
+            .chain(names.iter().map(|name| (None, json!({"preset": name}))))
+        {
+            let mut opened = ball(modality);
+            // Some presets are for the values of a volume.
+            let Ok(told) = opened.set_look(&asked) else { continue };
+            let before = (opened.scene().unwrap().1.composite, drawn(&mut opened));
+            let again = opened.set_look(&json!({"document": told["document"]})).unwrap();
+            assert_eq!(again, told, "{asked}");
+            assert_eq!((opened.scene().unwrap().1.composite, drawn(&mut opened)), before, "{asked}");
+            n_told += 1;
+        }
+        assert!(n_told > 20, "{n_told}");
+        let told = ball(Some("PT")).set_look(&json!({"auto": true})).unwrap();
+        assert_eq!([&told["document"]["composite"], &told["document"]["background"]], ["maximum", "#ffffff"]);
+    }
+
+    #[test]
+    fn a_document_is_seen_from_its_view() {
+        let mut opened = ball(Some("MR"));
+        let mut document = opened.set_look(&json!({"auto": true})).unwrap()["document"].clone();
+        document["view"] = json!("superior");
+        opened.set_look(&json!({"document": document})).unwrap();
+        let camera = drawn(&mut opened).0;
+        let above: [f64; 3] = numbers(&camera["position"], "position").unwrap();
+        let middle: [f64; 3] = numbers(&camera["focal_point"], "focal_point").unwrap();
+        assert!((above[0] - middle[0]).abs() < 1e-9 && above[2] > middle[2], "{camera}");
+        document["view"] = json!("inside");
+        let error = opened.set_look(&json!({"document": document})).unwrap_err();
+        assert!(error.starts_with("unknown view \"inside\""), "{error}");
+    }
+
+    #[test]
+    fn each_view_leaves_out_its_own_corner() {
+        let mut opened = ball(None);
+        let mut missing = |view| {
+            let volume = opened.without_corner(Some(view)).unwrap();
+            (0..volume.samples().len()).map(|k| volume.samples().get(k).is_nan()).collect::<Vec<_>>()
+        };
+        let [first, other, again] = ["xy", "yz", "xy"].map(&mut missing);
+        assert_ne!(first, other);
+        assert_eq!(first, again);
     }
 }

@@ -78,7 +78,7 @@ export interface TakenLook {
   readonly reason: string;
   /** Whether the corner nearest to the eye is left out. */
   readonly is_cut_open: boolean;
-  /** The look as a document has it; null for light or operators that documents do not say. */
+  /** The document of the look, which gives the same look again; null for a look that is cut open. */
   readonly document: unknown;
 }
 

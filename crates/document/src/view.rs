@@ -1,4 +1,4 @@
-//! The field `view` of a viewer's state: what no picture from Python has. `web/src/state/parse.ts` is the twin.
+//! The field `view` of a viewer's state: what no picture from Python has.
 //!
 //! ```json
 //! {"layout": {"name": "one-and-three", "main": "3d"},

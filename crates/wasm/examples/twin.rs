@@ -1,10 +1,10 @@
-//! The module's twin: the same calls, answered by this processor. `web/wasm` compares the two, `benches/wasm.mjs` their
+//! The module's twin: the same calls, answered by this processor. `web/wasm` compares the two, `benches/wasm.py` their
 //! times.
 //!
 //! A call is a line of JSON: `{"new": true}`, `{"open": NAME, "hex": BYTES}` or `{"open": NAME, "path": FILE}`,
 //! `{"samples": HEAD, "path": FILE}`, `{"ask": QUESTION, "asked": {...}}`. The answer is one too: `text` or `error`, or
-//! `crc32` of an answer in numbers, which `"save": FILE` keeps; and `ms` of processor time, where the system tells it. The first argument names the
-//! vectors to use.
+//! `crc32` of an answer in numbers, which `"save": FILE` keeps; and `ms` of processor time, where the system tells it. The
+//! first argument names the vectors to use.
 
 use std::io::{BufRead, Write};
 

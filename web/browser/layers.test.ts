@@ -62,6 +62,57 @@ test("from 2 to 8, hidden below 2: typed into the row of a layer, they draw what
   expect(page.complaints).toEqual([]);
 });
 
+test("Ctrl Z undoes where a slider or a name that was taken has the focus; Escape takes back one thing after the other", async () => {
+  await openPanel(page, "layers");
+  const row = page.locator(".look-layer").nth(1);
+  const layer = async () => (await state(page)).layers[1];
+  const sheets = (): Promise<number> => page.locator(".sheet").count();
+  await row.getByRole("slider", { name: /^Opacity/ }).fill("0.5");
+  await expect.poll(async () => (await layer())?.opacity).toBe(0.5);
+  await page.keyboard.press("Control+z");
+  await expect.poll(async () => (await layer())?.opacity).toBe(1);
+  const name = row.getByRole("textbox", { name: /^Name/ });
+  const named = await name.inputValue();
+  await name.fill("Sugar");
+  await page.keyboard.press("Enter");
+  await expect.poll(async () => (await layer())?.name).toBe("Sugar");
+  await page.keyboard.press("Control+z");
+  await expect.poll(async () => [(await layer())?.name, await name.inputValue()]).toEqual([named, named]);
+
+  // The message lies over no control, and goes before the sheet does.
+  await type("From", "200%");
+  const message = page.getByRole("alert");
+  const box = await message.boundingBox();
+  for (const control of [".toolbar", ".sheet", ".legend", ".rail", ".bottom"]) {
+    const other = await page.locator(control).boundingBox();
+    const isApart = box !== null && other !== null && (box.x >= other.x + other.width || other.x >= box.x + box.width || box.y >= other.y + other.height || other.y >= box.y + box.height);
+    expect(isApart, control).toBe(true);
+  }
+  const from = row.getByRole("textbox", { name: "From" });
+  const before = [await from.inputValue(), await ends()];
+  await from.focus();
+  await page.keyboard.press("Escape");
+  await expect.poll(() => message.count()).toBe(0);
+  await from.fill("3");
+  await page.keyboard.press("Escape");
+  await expect.poll(() => from.inputValue()).toBe(before[0]);
+  expect(await sheets()).toBe(1);
+  await page.keyboard.press("Escape");
+  await expect.poll(sheets).toBe(0);
+  expect([before[0], await ends()]).toEqual(before);
+
+  // The focus is on the icon that opened the sheet; the help goes before the sheet.
+  await page.locator('[data-opens="layers"]').click();
+  await page.keyboard.press("?");
+  await page.getByRole("dialog").waitFor();
+  await page.keyboard.press("Escape");
+  await expect.poll(() => page.getByRole("dialog").count()).toBe(0);
+  expect(await sheets()).toBe(1);
+  await page.keyboard.press("Escape");
+  await expect.poll(sheets).toBe(0);
+  expect(page.complaints).toEqual([]);
+});
+
 nightly("an end of the window is dragged, gamma is set, and Auto takes both back", async () => {
   const before = await curves();
   const slider = page.locator(".look-window").nth(1).getByRole("slider").last();

@@ -4,6 +4,7 @@ import { render } from "preact";
 
 import type { Engine, Frame, Welcome } from "../engine/engine.ts";
 import { actionOf, keyName } from "../input/keys.ts";
+import { TypedText } from "../input/typed_text.ts";
 import { fromLink } from "../state/link.ts";
 import type { Operation } from "../state/patch.ts";
 import type { ViewName } from "../state/state.ts";
@@ -63,6 +64,7 @@ class App {
   private isScheduled = false;
   private readonly stops: (() => void)[] = [];
   private readonly opener: PageOpener;
+  private readonly typed: TypedText;
 
   constructor(
     private readonly engine: Engine,
@@ -70,6 +72,7 @@ class App {
     private readonly root: ShadowRoot,
     private readonly mount: HTMLElement,
   ) {
+    this.typed = new TypedText(root);
     this.opener = new PageOpener({
       engine,
       hasData: () => this.store !== null,
@@ -193,13 +196,15 @@ class App {
     const isField = target instanceof HTMLElement && target.matches("input, select, textarea, [contenteditable]");
     const action = actionOf(keyName(event));
     const { store, ui, page } = this;
-    if (event.defaultPrevented || store === null || ui === null || (isField && action !== "leave")) return;
+    // A field has no use for Escape, nor for undo and redo while nothing that is typed waits in it.
+    const isForField = isField && action !== "leave" && (this.typed.isWaiting || !(action === "undo" || action === "redo"));
+    if (event.defaultPrevented || store === null || ui === null || isForField) return;
     if (action === "undo") store.undo();
     else if (action === "redo") store.redo();
     else if (action === "help") page.change({ help: true });
-    else if (action === "leave" && page.fields.problem !== null) page.change({ problem: null });
-    else if (action === "leave" && (ui.tool !== "turn" || ui.points.length > 0)) ui.setTool("turn");
-    else if (action === "play" && !isOfControl(target, event.key)) this.root.querySelector<HTMLElement>(".look-play")?.click();
+    else if (action === "leave") {
+      if (!this.leave(ui)) return;
+    } else if (action === "play" && !isOfControl(target, event.key)) this.root.querySelector<HTMLElement>(".look-play")?.click();
     else if (event.currentTarget === document && !page.fields.help && !isOfControl(target, event.key)) {
       ui.views.receive(event);
       return;
@@ -208,6 +213,19 @@ class App {
     event.stopPropagation();
     this.schedule();
   };
+
+  /** Takes back the nearest thing: a message, what was typed, a tool, a sheet; returns whether there was one. Dialogs close themselves. */
+  private leave(ui: Ui): boolean {
+    const { page, root } = this;
+    if (root.querySelector(":modal") !== null) return false;
+    const sheet = root.querySelector<HTMLElement>(".sheet-head button");
+    if (page.fields.problem !== null) page.change({ problem: null });
+    else if (this.typed.takeBack()) return true;
+    else if (ui.tool !== "turn" || ui.points.length > 0) ui.setTool("turn");
+    else if (sheet !== null) sheet.click();
+    else return false;
+    return true;
+  }
 
   private draw(): void {
     const { store, welcome, ui, page } = this;

@@ -60,26 +60,17 @@ export function Rail({ panels, open, onPanel, children }: RailProps) {
   );
 }
 
-/** The sheet of a panel. Escape closes it, and gives the focus back to its icon. */
+/** The sheet of a panel. The focus that is in it goes back to its icon when it is closed. */
 export function Sheet({ name, onClose, children }: { readonly name: SheetName; onClose(): void; readonly children: ComponentChildren }) {
   const title = WORDS.sheets[name];
   const close = (event: Event): void => {
     const root = (event.currentTarget as HTMLElement).getRootNode() as ShadowRoot;
+    const isInside = root.activeElement?.closest(".sheet") != null;
     onClose();
-    root.querySelector<HTMLElement>(`[data-opens="${name}"]`)?.focus();
+    if (isInside) root.querySelector<HTMLElement>(`[data-opens="${name}"]`)?.focus();
   };
   return (
-    <section
-      class="sheet float"
-      data-panel={name}
-      aria-label={title}
-      onKeyDown={(event) => {
-        if (event.key !== "Escape" || event.defaultPrevented) return;
-        event.preventDefault();
-        event.stopPropagation();
-        close(event);
-      }}
-    >
+    <section class="sheet float" data-panel={name} aria-label={title}>
       <header class="sheet-head">
         <h2>{title}</h2>
         <button class="icon-button" aria-label={TEXT.close(title)} onClick={close}><Icon name="close" /></button>

@@ -100,6 +100,17 @@ describe("at zoom 4", () => {
   });
 });
 
+test("the value under the pointer is of its place, over a handle of the crosshair too", async () => {
+  const { x, y } = await middle(page, "z");
+  await page.mouse.move(x + 60, y + 60);
+  const told = page.locator(".status > span", { hasText: " at " });
+  await told.waitFor();
+  const before = await told.innerText();
+  const handle = await page.locator('[data-view="z"] svg.over [data-handle]').first().boundingBox();
+  await page.mouse.move((handle?.x ?? 0) + (handle?.width ?? 0) / 2, (handle?.y ?? 0) + (handle?.height ?? 0) / 2);
+  await expect.poll(() => told.innerText()).not.toBe(before);
+});
+
 test("the wheel scrolls by a slice, and with Ctrl magnifies about the pointer", async () => {
   const { x, y, width, height } = await middle(page, "z");
   const before = (await state(page)).view.slices;

@@ -97,7 +97,7 @@ export function Viewport(props: ViewportProps) {
     const move = (event: PointerEvent): void => {
       // Every move is passed on at once, so that what is dragged does not lag.
       if (gestures.isActive) gestures.move(event, ...place(event));
-      else if (heldAt(event) === undefined) {
+      else {
         const [x, y] = place(event);
         latest.current.onHover?.({ x, y }, sizeNow.current);
       }

@@ -59,6 +59,10 @@ test.each([
   expect(picture.name).toBe(file);
   const pixels = pngPixels(picture.path);
   expect(pixels.equals(plain)).toBe(false);
+  // The size is written below its choice.
+  const written = await page.getByText(/pixels, as seen without this sheet/).innerText();
+  const [, wide = "", high = ""] = /^(\d+) × (\d+) pixels/.exec(written) ?? [];
+  expect(pixels.length).toBe(4 * Number(wide) * Number(high));
   // As wide as without the sheet: all of the window but the rail.
   const { height } = await middle(page, view);
   if (layout.name === "single") expect(pixels.length).toBe(4 * (1100 - 88) * Math.round(height));

@@ -308,6 +308,9 @@ export const PANEL_WORDS = {
     slice: (plane: string) => `${plane} slice`,
     size: "Size",
     sizes: { view: "As in the window", "2": "Twice as large", own: "Custom" },
+    pixels: (width: number, height: number, isOfWindow: boolean) =>
+      `${width} × ${height} pixels${isOfWindow ? ", as seen without this sheet" : ""}.`,
+    wider: "A legend or a colour bar stands beside the picture and makes it wider.",
     width: "Width",
     height: "Height",
     quality: "Quality",

@@ -1,6 +1,6 @@
 // Sharing of what is shown: as pictures, code, links and files.
 
-import { useState } from "preact/hooks";
+import { useEffect, useReducer, useState } from "preact/hooks";
 
 import type { Problem, Questions, Saved } from "../engine/engine.ts";
 import { linkPart } from "../state/link.ts";
@@ -41,6 +41,8 @@ export function SharePanel(props: PartProps) {
   const [text, setText] = useState("");
 
   const shown = chosen === "seen" ? seenView(store.state.view) : chosen;
+  useViewsResized(props);
+  const now = pixelsOf(props, shown, size, own);
   const wanted = (): Saved => {
     const pixels = pixelsOf(props, shown, size, own);
     const camera = ui.camera.cameraFor(pixels.width / pixels.height);
@@ -111,6 +113,7 @@ export function SharePanel(props: PartProps) {
         />
         <Switch label={TEXT.transparent} on={transparent} onToggle={setTransparent} />
         <Switch label={TEXT.annotated} on={annotated} onToggle={setAnnotated} />
+        <p class="dim">{[TEXT.pixels(now.width, now.height, size in TEXT.sizes && size !== "own"), ...(annotated ? [TEXT.wider] : [])].join(" ")}</p>
         <div class="row">
           <button class="button first" disabled={part !== null} onClick={() => void picture((bytes, name) => ui.download(name, bytes, "image/png"))}>
             {TEXT.save}
@@ -164,6 +167,17 @@ export function SharePanel(props: PartProps) {
       </fieldset>
     </>
   );
+}
+
+/** Draws the panel anew when the views have another size, or are others. */
+function useViewsResized({ ui, store }: PartProps): void {
+  const [, redraw] = useReducer((count: number) => count + 1, 0);
+  const { name, main } = store.state.view.layout;
+  useEffect(() => {
+    const resized = new ResizeObserver(() => redraw(null as never));
+    for (const view of ui.root.querySelectorAll(".views, [data-view]")) resized.observe(view);
+    return () => resized.disconnect();
+  }, [name, main]);
 }
 
 /** Two fields for the sides of a picture, pixels. */

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import tifffile
 import viewer_fakes
 from cases_of_the_day import nightly
 from PIL import Image
@@ -97,6 +98,27 @@ def test_looks_of_the_command_line_are_short_in_links_and_commands(scans, backgr
     assert subprocess.run(["sh", "-c", text], cwd=scans, capture_output=True, check=False).returncode == 0
     drawn = np.asarray(Image.open(scans / "CT.png").convert("RGBA"))
     assert np.array_equal(drawn, np.asarray(picture_of(state, "3d", SIZE)))
+
+
+def test_channels_have_a_short_command_that_draws_the_same_pixels(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    z, y, x = np.mgrid[:12, :12, :12]
+    blobs = np.stack([1000 * np.exp(-((x - c) ** 2 + (y - 6) ** 2 + (z - 6) ** 2) / 9) for c in (4, 8)])
+    names = {"axes": "CZYX", "Channel": {"Name": ["DAPI", "GFP"]}}
+    tifffile.imwrite("cells.ome.tif", blobs.astype("uint16"), ome=True, metadata=names)
+    for channels, said in (
+        (None, "--channel 0 --channel 1 "),
+        ([1, (0, None, (100, 700))], "--channel 1 --channel 0:100,700 "),
+    ):
+        state = ViewerState.of(ws.open_scene("cells.ome.tif", channels=channels).with_(background="black"))
+        command = code.command_of(turned(state), SIZE)
+        assert f"cells.ome.tif {said}--size 96x72 " in command
+        text = command.replace("wavesplat ", f"{shlex.quote(sys.executable)} -m wavesplat ", 1)
+        assert subprocess.run(["sh", "-c", text], capture_output=True, check=False).returncode == 0
+        drawn = np.asarray(Image.open(command.split()[-1]).convert("RGBA"))
+        assert np.array_equal(drawn, np.asarray(picture_of(turned(state), "3d", SIZE)))
+    named = state.patched([{"op": "replace", "path": "/layers/1/name", "value": "nuclei"}])
+    assert " --from - " in code.command_of(named, SIZE)
 
 
 def test_a_threshold_is_short_in_commands_and_a_gamma_in_links(scans):

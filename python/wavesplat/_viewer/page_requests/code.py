@@ -7,8 +7,12 @@ import shlex
 from dataclasses import replace
 from typing import Any, Literal, TypeAlias
 
+from wavesplat import _native
 from wavesplat._looks import look_files, presets
 from wavesplat._looks.kinds import overlays
+from wavesplat._looks.kinds.channel_colors import color_of
+from wavesplat._looks.kinds.channel_light import light_of
+from wavesplat._looks.kinds.channels import channel_look
 from wavesplat._looks.labels.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
@@ -102,7 +106,7 @@ def options_of(state: ViewerState, size: tuple[int, int]) -> str | None:
     """The arguments of the command, but for the output; None where options cannot say what the state says.
 
     Options are for volumes that are files opened without options of their own; the first with a preset, others with a
-    preset or a colour map; no labels, cuts, geometry or light that were changed.
+    preset or a colour map; or for channels of one file; no labels, cuts, geometry or light that were changed.
     """
     document, options = state.document, state.options
     is_plain = (
@@ -115,28 +119,68 @@ def options_of(state: ViewerState, size: tuple[int, int]) -> str | None:
         and isinstance(options["composite"], str)
         and isinstance(options["quality"], str)
     )
-    names = names_by_themselves(state.scene.layers)
-    if not is_plain or not all(map(_is_plain_layer, document["layers"], state.sources, names)):
+    drawn = (_channels(state) or _volumes(state)) if is_plain else None
+    if drawn is None:
         return None
-    looks = [short_look(state, number, "options") for number in range(len(state.sources))]
-    first, *others = zip(looks, state.sources, strict=True)
-    if not isinstance(first[0], str):
-        return None
-    layers = [_layer_option(look, source["path"]) for look, source in others]
-    if None in layers:
-        return None
+    arguments, operator = drawn
     look, behind = document["layers"][0]["look"], document["background"]
-    arguments = [first[1]["path"], "--preset", first[0], *[part for text in layers for part in ("--layer", str(text))]]
     if not behind == (look["background"] or "black") == "black":
         if not isinstance(behind, str):
             return None
         arguments += ["--background", behind]
-    given = (("quality", "normal"), ("kernel", "linear"), ("composite", look["composite"]))
+    given = (("quality", "normal"), ("kernel", "linear"), ("composite", operator))
     for name, usual in given:
         arguments += [] if options[name] == usual else [f"--{name}", options[name]]
     camera = json.dumps(document["camera"], separators=(",", ":"))
     arguments += ["--size", f"{size[0]}x{size[1]}", "--camera", camera]
     return shlex.join(arguments)
+
+
+def _volumes(state: ViewerState) -> tuple[list[str], Any] | None:
+    """The options that name volumes and their looks, and the operator that these give; None where there are none."""
+    document = state.document
+    names = names_by_themselves(state.scene.layers)
+    if not all(map(_is_plain_layer, document["layers"], state.sources, names)):
+        return None
+    looks = [short_look(state, number, "options") for number in range(len(state.sources))]
+    first, *others = zip(looks, state.sources, strict=True)
+    layers = [_layer_option(look, source["path"]) for look, source in others]
+    if not isinstance(first[0], str) or None in layers:
+        return None
+    further = [part for text in layers for part in ("--layer", str(text))]
+    return [first[1]["path"], "--preset", first[0], *further], document["layers"][0]["look"]["composite"]
+
+
+def _channels(state: ViewerState) -> tuple[list[str], Any] | None:
+    """The options that name several channels of one file, as light over their windows, and the operator; else None."""
+    layers = state.scene.layers
+    facts = [layer.looked_at.facts for layer in layers]
+    if len(layers) < 2 or len({source.get("path") for source in state.sources}) > 1:
+        return None
+    own = [color_of(one.channel, one.channels) for one in facts]
+    options: list[str] = []
+    for number, color in enumerate(_native.distinct_colors([None] * len(layers), own)):
+        source, fields = dict(state.sources[number]), state.document["layers"][number]
+        which, channel, layer = source.pop("channel", None), facts[number].channel, layers[number]
+        light = light_of(layer.look) if isinstance(layer.look, Look) else None
+        if channel is None or light is None or not isinstance(which, int):
+            return None
+        if not _is_plain_layer(fields, source, channel.name or f"channel {which}"):
+            return None
+        for window in (None, (light.low, light.high)):
+            made = _fields(lambda: channel_look(layer.looked_at, color, window, state.options["composite"]))  # noqa: B023
+            if made is not None and _drawn(made) == _drawn(fields["look"]):
+                ends = "" if window is None else ":" + ",".join(map(_number, window))
+                options += ["--channel", f"{which}{ends}"]
+                break
+        else:
+            return None
+    return [state.sources[0]["path"], *options], "over"
+
+
+def _drawn(fields: dict[str, Any]) -> dict[str, Any]:
+    """The fields of a look that change a picture whose background is given."""
+    return {name: value for name, value in fields.items() if name not in ("description", "background")}
 
 
 def _is_plain_layer(layer: dict[str, Any], source: dict[str, Any], name: str) -> bool:

@@ -38,6 +38,8 @@ const options = {
   write: false,
   metafile: true,
   absWorkingDir: new URL(".", import.meta.url).pathname,
+  // The bundler orders modules by their paths: packages behind a link would get other names than those beside.
+  preserveSymlinks: true,
 };
 
 const widget = await build({ ...options, entryPoints: ["src/widget.ts"], outfile: "widget.js" });

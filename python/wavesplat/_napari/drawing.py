@@ -13,7 +13,7 @@ from wavesplat._looks.curves.transfer_function import TransferFunction
 from wavesplat._looks.labels.labels import Label, Labels
 from wavesplat._looks.look import Look
 from wavesplat._mesh.meshing import mesh
-from wavesplat._model.arguments.operators import AttenuatedMaximum, FirstHit
+from wavesplat._model.arguments.operators import AttenuatedMaximum, FirstHit, name_of
 from wavesplat._model.arguments.sampling import Composite, Quality
 from wavesplat._model.interchange.napari_layer import of_napari
 from wavesplat._model.volume.volume import Volume
@@ -167,8 +167,7 @@ def _volume(viewer: Any, layer: Any) -> Volume:
 def _layer(viewer: Any, layer: Any, operator: Any) -> Layer:
     volume = _volume(viewer, layer)
     low, high = (float(end) for end in layer.contrast_limits)
-    plain: Composite = "first-hit" if isinstance(operator, FirstHit) else operator
-    look = Look.channel(volume, "white", (low, high), plain)
+    look = Look.channel(volume, "white", (low, high), name_of(operator))
     function: Any = look.transfer_function
     colors = _colors(layer.colormap)
     gamma = float(layer.gamma)
@@ -178,7 +177,7 @@ def _layer(viewer: Any, layer: Any, operator: Any) -> Layer:
         below = min(int(at), len(colors) - 2)
         red, green, blue = (colors[below] + (at - below) * (colors[below + 1] - colors[below])).tolist()
         nodes.append((low + float(place) * (high - low), red, green, blue))
-    if plain in ("over", "first-hit"):
+    if look.composite in ("over", "first-hit"):
         # Matter in the map's dark colours would be black smoke: what is seen of it is its hue.
         nodes = [(value, *_bright(rgb)) for value, *rgb in nodes]
     look = replace(look, transfer_function=replace(function, color=nodes), background=None)

@@ -47,7 +47,7 @@ fn to(name: &str) -> Value {
 fn definition(name: &str) -> Option<Value> {
     fn named(form: &Form, name: &str) -> Option<Value> {
         match form {
-            Form::Def(own, form, about) if *own == name => Some(told(of_form(form), about)),
+            Form::Def(own, form, about) if *own == name => Some(described(of_form(form), about)),
             Form::Def(_, form, _) | Form::Said(form, _) | Form::Absent(form) | Form::Named(_, form) => {
                 named(form, name)
             }
@@ -60,7 +60,7 @@ fn definition(name: &str) -> Option<Value> {
     PARTS.iter().flat_map(|part| part.fields).find_map(|field| named(&field.form, name))
 }
 
-fn told(mut schema: Value, about: &str) -> Value {
+fn described(mut schema: Value, about: &str) -> Value {
     if !about.is_empty() {
         schema["description"] = json!(about);
     }
@@ -70,8 +70,8 @@ fn told(mut schema: Value, about: &str) -> Value {
 fn of_part(part: &DocumentPart) -> Value {
     let shown = part.fields.iter().filter(|field| !matches!(field.form, Form::Never(_)));
     let properties: Map<String, Value> =
-        shown.map(|field| (field.name.to_owned(), told(of_form(&field.form), field.about))).collect();
-    let mut schema = told(json!({"type": "object"}), part.about);
+        shown.map(|field| (field.name.to_owned(), described(of_form(&field.form), field.about))).collect();
+    let mut schema = described(json!({"type": "object"}), part.about);
     if !properties.is_empty() {
         schema["properties"] = properties.into();
     }

@@ -23,7 +23,8 @@ pub const SOLID_LIGHT: LightSettings = &[("ambient_occlusion", 0.3)];
 const SOFT_LIGHT: LightSettings = &[("specular", 0.1)];
 const CT_LIGHT: LightSettings = &[("specular", 0.15), ("ambient_occlusion", 0.3)];
 const ULTRASOUND_LIGHT: LightSettings = &[("ambient_occlusion", 0.4)];
-/// White of a maximum projection of fluorescence, at most so many widths of the window of the samples above its low end.
+/// Largest distance of white from the low end of the window of the samples, in widths of the window, where fluorescence
+/// is projected.
 const MAX_WHITE: f64 = 2.0;
 /// Hounsfield units in the black of a maximum: every ray through a body meets soft tissue, so that what is below shows
 /// nothing but the table, and takes half of the greys from vessels and bone.

@@ -28,6 +28,7 @@ pub mod channel_ramp;
 mod channel_windows;
 pub mod colormaps;
 pub mod colors;
+pub mod ct_windows;
 mod evidence;
 mod facts;
 mod fields;
@@ -50,7 +51,6 @@ mod shares;
 pub mod statistics;
 pub mod texts;
 pub mod voxels;
-pub mod windows;
 mod words;
 
 pub use automatic::{AutomaticLook, Refusal, SOLID_LIGHT, SliceFacts, Subject, is_block};

@@ -126,7 +126,7 @@ mod _native {
         module.add("DARKEST", wavesplat::look::channel_ramp::DARKEST)?;
         module.add("FULL_COLOR", wavesplat::look::channel_ramp::FULL_COLOR)?;
         module.add("MAP_NODES", wavesplat::look::colormaps::N_NODES)?;
-        let windows = wavesplat::look::windows::CT_WINDOWS.map(|(name, window)| (name, <(f64, f64)>::from(window)));
+        let windows = wavesplat::look::ct_windows::CT_WINDOWS.map(|(name, window)| (name, <(f64, f64)>::from(window)));
         module.add("CT_WINDOWS", windows.into_py_dict(module.py())?)?;
         module.add("PRESET_GROUPS", wavesplat::look::presets::GROUPS.into_py_dict(module.py())?)?;
         module.add("SLICER_PREFIX", wavesplat::look::presets::SLICER_PREFIX)?;

@@ -79,7 +79,7 @@ pub unsafe extern "C" fn ws_open_samples(head: *mut u8, head_len: usize, bytes: 
 pub unsafe extern "C" fn ws_ask(question: *mut u8, question_len: usize, asked: *mut u8, asked_len: usize) -> u32 {
     // SAFETY: as above.
     let [question, asked] = unsafe { [taken(question, question_len), taken(asked, asked_len)] };
-    told(|| OPENED.with_borrow_mut(|opened| answer(opened, &String::from_utf8_lossy(&question), &asked)))
+    kept_result(|| OPENED.with_borrow_mut(|opened| answer(opened, &String::from_utf8_lossy(&question), &asked)))
 }
 
 /// Address of the last answer, or of the message of the last error.
@@ -88,7 +88,7 @@ pub extern "C" fn ws_answer() -> *const u8 {
     ANSWER.with_borrow(|answer| answer.bytes().as_ptr())
 }
 
-/// Its number of bytes.
+/// The number of bytes of the last answer.
 #[unsafe(no_mangle)]
 pub extern "C" fn ws_answer_len() -> usize {
     ANSWER.with_borrow(|answer| answer.bytes().len())
@@ -96,7 +96,7 @@ pub extern "C" fn ws_answer_len() -> usize {
 
 /// Opens the volume of an instance.
 fn opened(open: impl FnOnce() -> Result<OpenedVolume, String>) -> u32 {
-    told(|| {
+    kept_result(|| {
         OPENED.with_borrow_mut(|opened| {
             if opened.is_some() {
                 return Err("a volume is open already; the next one needs a new instance".to_owned());
@@ -107,8 +107,8 @@ fn opened(open: impl FnOnce() -> Result<OpenedVolume, String>) -> u32 {
     })
 }
 
-/// Keeps what a call answers.
-fn told(call: impl FnOnce() -> Result<Answer, String>) -> u32 {
+/// Keeps the answer of a call, or the message of its error.
+fn kept_result(call: impl FnOnce() -> Result<Answer, String>) -> u32 {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| set_hook(Box::new(|panic| keep(Answer::Bytes(panic.to_string().into_bytes())))));
     // A call that ends by a trap without a panic leaves no answer: memory was refused.

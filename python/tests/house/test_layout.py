@@ -89,7 +89,7 @@ ROOMS = {
         "look",
         "scale",
         "presets",
-        "windows",
+        "ct_windows",
         "voxels",
         "channel_ramp",
         "changes",

@@ -2,12 +2,15 @@
 
 import subprocess
 import sys
+from typing import get_args
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import wavesplat as ws
+from wavesplat import _native
+from wavesplat._model.arguments.sampling import Composite
 
 RNG = np.random.default_rng(5)
 X, Y, Z = np.meshgrid(*[np.linspace(-1, 1, 48)] * 3, indexing="ij")[::-1]
@@ -219,6 +222,14 @@ def test_labels_have_colours_and_a_cut_face_is_lit():
 def test_a_volume_of_one_value_has_no_look():
     with pytest.raises(ws.errors.ArgumentError, match="every sample is 7"):
         ws.Look.auto(ws.Volume(np.full((4, 4, 4), 7, np.uint8)))
+
+
+def test_looks_are_chosen_for_every_operator():
+    for name in get_args(Composite):
+        assert _native.look_refused((0.0, 1.0), False, name) is None
+    with pytest.raises(ws.errors.ArgumentError, match="unknown composite operator 'nope'") as refused:
+        _native.look_refused((0.0, 1.0), False, "nope")
+    assert set(str(refused.value).partition("one of: ")[2].split(", ")) == set(get_args(Composite))
 
 
 def test_operators_of_looks_are_names_or_synonyms():

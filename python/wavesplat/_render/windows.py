@@ -2,7 +2,7 @@
 
 A window has a level, its middle, and a width: black is level - width / 2, white is level + width / 2. DICOM calls that
 LINEAR_EXACT (PS3.3, C.11.2.1.3.2); its older LINEAR (C.11.2.1.2) is half a unit lower and one narrower.
-Names stand for windows of CT, in Hounsfield units, of `crates/look` (`windows.rs`).
+Names stand for windows of CT, in Hounsfield units, of `crates/look` (`ct_windows.rs`).
 """
 
 from __future__ import annotations
